@@ -1,0 +1,5 @@
+"""``python -m bpns``."""
+
+from bpns import main
+
+main()

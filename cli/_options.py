@@ -1,0 +1,82 @@
+"""What several subcommands share: options, loading what they name, progress."""
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+import envs
+from learning.saved import read_model, read_model_file
+from symbolic.environment import Budget, Environment
+from symbolic.skills import Skill
+
+planner_option = click.option(
+    "--planner", default="astar", show_default=True, help="See 'bpns planners'; options after colons."
+)
+plans_option = click.option(
+    "--plans", type=click.IntRange(1), help="Abstract plans to try (default: the environment's)."
+)
+samples_option = click.option(
+    "--samples", type=click.IntRange(1), help="Subgoals to try per step (default: the environment's)."
+)
+timeout_option = click.option("--timeout", type=click.FloatRange(0, min_open=True), help="Seconds per task.")
+oracle_option = click.option(
+    "--oracle", metavar="ENVIRONMENT", help="Use this environment's own skills, no model."
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+workers_option = click.option(
+    "--workers",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    show_default="all cores",
+    help="Processes; they change the time, not the result.",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """Skills to plan with, and where they are from."""
+
+    label: str
+    environment: Environment
+    skills: Mapping[str, Skill]
+    seed: int
+
+
+def load_subject(model: Path | None, oracle: str | None) -> Subject:
+    """Return a model's skills or an environment's own; exactly one must be named."""
+    if (model is None) == (oracle is None):
+        raise click.UsageError("give a MODEL folder or --oracle ENVIRONMENT (one of them)")
+    if model is None:
+        assert oracle is not None
+        environment = envs.load(oracle)
+        skills = {skill.operator.name: skill for skill in environment.oracle_skills}
+        return Subject(f"oracle:{environment.name}", environment, skills, 0)
+    environment = envs.load(read_model_file(model).environment)
+    saved = read_model(model, environment)
+    return Subject(model.name or str(model), environment, saved.skills, saved.seed)
+
+
+def budget_of(environment: Environment, plans: int | None, samples: int | None) -> Budget:
+    """Return an environment's budget with the user's numbers in it."""
+    budget = environment.budget
+    return replace(
+        budget,
+        abstract_plans=plans or budget.abstract_plans,
+        samples_per_step=samples or budget.samples_per_step,
+    )
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show a bar on standard error where that is a terminal; give a function of (done, total)."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task(what, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)

@@ -1,0 +1,28 @@
+"""Make demonstrations with an environment's oracle skills."""
+
+from pathlib import Path
+
+import click
+
+import envs
+from cli._options import progress_bar, workers_option
+from learning.demonstrations import collect, write_demonstrations
+
+
+@click.command()
+@click.argument("environment")
+@click.option("--count", type=click.IntRange(1), default=1000, show_default=True, help="Train tasks.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--out", type=click.Path(path_type=Path), help="HDF5 file (default: ENVIRONMENT-SEED.h5).")
+@workers_option
+def command(environment: str, count: int, seed: int, out: Path | None, workers: int) -> None:
+    """Solve train tasks of ENVIRONMENT with its oracle skills and keep the trajectories."""
+    world = envs.load(environment)
+    out = out or Path(f"{world.name}-{seed}.h5")
+    with progress_bar("demonstrating") as progress:
+        data = collect(world, count, seed, workers, progress)
+    write_demonstrations(out, data, world)
+    actions = sum(len(d.trajectory.actions) for d in data.demonstrations)
+    click.echo(f"{len(data.demonstrations)} demonstrations of {count} tasks, {actions} actions: {out}")
+    for index, reason in data.failures:
+        click.echo(f"  task {index} gave none: {reason}")

@@ -1,0 +1,149 @@
+"""Solve evaluation tasks and print a table."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+import click
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from cli._options import (
+    Subject,
+    budget_of,
+    json_option,
+    load_subject,
+    oracle_option,
+    planner_option,
+    plans_option,
+    progress_bar,
+    samples_option,
+    timeout_option,
+)
+from learning.evaluation import Result, Solver, Summary, evaluate, summarize
+from symbolic import planners
+
+
+def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int] | None:
+    """Read ``0-4`` or ``0,2,5-7``."""
+    if value is None:
+        return None
+    try:
+        parts = [part.partition("-") for part in value.split(",")]
+        seeds = [s for low, dash, high in parts for s in range(int(low), int(high if dash else low) + 1)]
+    except ValueError as error:
+        raise click.BadParameter("give numbers and ranges such as 0-4 or 0,2,5-7") from error
+    if not seeds:
+        raise click.BadParameter("no seed in this range")
+    return seeds
+
+
+@click.command()
+@click.argument("models", nargs=-1, type=click.Path(path_type=Path))
+@oracle_option
+@click.option("--tasks", type=click.IntRange(1), default=50, show_default=True, help="Per seed.")
+@click.option("--seeds", callback=_seeds, help="Such as 0-4 (default: each model on its own seed).")
+@planner_option
+@plans_option
+@samples_option
+@timeout_option
+@click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@json_option
+def command(
+    models: tuple[Path, ...],
+    oracle: str | None,
+    tasks: int,
+    seeds: list[int] | None,
+    planner: str,
+    plans: int | None,
+    samples: int | None,
+    timeout: float | None,
+    workers: int,
+    as_json: bool,
+) -> None:
+    """Evaluate MODELS of one environment on its evaluation tasks: planned, refined, executed.
+
+    Means over seeds with the population standard deviation. Times are wall clock per solved task: for
+    figures that you report, use one worker, which is the default.
+    """
+    if bool(models) == (oracle is not None):
+        raise click.UsageError("give MODEL folders or --oracle ENVIRONMENT (one of them)")
+    subjects = [load_subject(model, None) for model in models] or [load_subject(None, oracle)]
+    if len({subject.environment.name for subject in subjects}) > 1:
+        raise click.UsageError("the models are of several environments: evaluate them one by one")
+    work = [(subject, seeds or [subject.seed]) for subject in subjects]
+    results: list[tuple[Subject, Result]] = []
+    total = tasks * sum(len(own) for _, own in work)
+    with progress_bar("evaluating") as progress:
+        for subject, own in work:
+            environment = subject.environment
+            solver = Solver(
+                environment,
+                subject.skills,
+                planners.load(planner),
+                budget_of(environment, plans, samples),
+                timeout,
+            )
+            note = partial(_note, progress, len(results), total)
+            found = evaluate(solver, own, tasks, workers, note)
+            results += [(subject, result) for result in found]
+    summary = summarize([result for _, result in results])
+    if as_json:
+        rows = [{"model": subject.label, **asdict(result)} for subject, result in results]
+        click.echo(json.dumps({"summary": asdict(summary), "tasks": rows}, indent=2))
+    else:
+        _print(results, summary)
+
+
+def _note(progress: Callable[[int, int], None], before: int, total: int, done: int) -> None:
+    progress(before + done, total)
+
+
+def _print(results: list[tuple[Subject, Result]], summary: Summary) -> None:
+    """Print one row per model and seed, their mean, and why tasks were not solved."""
+    table = Table(box=SIMPLE_HEAD)
+    table.add_column("model", no_wrap=True)
+    for column in (
+        "seed",
+        "tasks",
+        "planned %",
+        "refined %",
+        "solved %",
+        "nodes",
+        "plans",
+        "samples",
+        "time s",
+    ):
+        table.add_column(column, justify="right")
+    groups: dict[tuple[str, int], list[Result]] = {}
+    for subject, result in results:
+        groups.setdefault((subject.label, result.seed), []).append(result)
+    for (label, seed), rows in groups.items():
+        one = summarize(rows)
+        table.add_row(label, str(seed), str(len(rows)), *(f"{mean:.{d}f}" for (mean, _), d in _columns(one)))
+    if len(groups) > 1:
+        cells = [f"{mean:.{d}f} ({std:.{d}f})" for (mean, std), d in _columns(summary)]
+        table.add_section()
+        table.add_row("mean (std)", "", str(len(results)), *cells)
+    Console(width=max(120, Console().width), highlight=False).print(table)
+    for subject, result in results:
+        if not result.executed:
+            click.echo(f"not solved: {subject.label}, seed {result.seed}, task {result.task}: {result.fault}")
+            for end, count in result.dead_ends[:3]:
+                click.echo(f"  {count} x plan {end.plan}, step {end.step} {end.operator}: {end.reason}")
+
+
+def _columns(summary: Summary) -> list[tuple[tuple[float, float], int]]:
+    """Return the numbers of a row with their decimals."""
+    return [
+        (summary.planned, 1),
+        (summary.refined, 1),
+        (summary.solved, 1),
+        (summary.nodes_created, 2),
+        (summary.abstract_plans, 2),
+        (summary.samples, 1),
+        (summary.seconds, 4),
+    ]

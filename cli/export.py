@@ -1,0 +1,39 @@
+"""Write a model as PDDL: the domain and some problems."""
+
+from pathlib import Path
+
+import click
+
+from cli._options import load_subject, oracle_option
+from symbolic.environment import domain_of, problem_of, sample_tasks
+from symbolic.files import write_text
+from symbolic.pddl.write import write_domain, write_problem
+
+
+@click.command()
+@click.argument("model", type=click.Path(path_type=Path), required=False)
+@oracle_option
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder.")
+@click.option("--problems", type=click.IntRange(0), default=10, show_default=True)
+@click.option("--seed", type=click.IntRange(0), help="Of the evaluation tasks (default: the model's).")
+def command(model: Path | None, oracle: str | None, out: Path, problems: int, seed: int | None) -> None:
+    """Write domain.pddl and p01.pddl, p02.pddl, ... (the first evaluation tasks) of MODEL."""
+    subject = load_subject(model, oracle)
+    environment = subject.environment
+    seed = subject.seed if seed is None else seed
+    domain = domain_of(environment, (skill.operator for skill in subject.skills.values()))
+    source = f"{subject.label}: environment {environment.name}"
+    texts = {}
+    if model is not None:
+        texts["domain.pddl"] = (model / "domain.pddl").read_text(encoding="utf-8")
+    else:
+        texts["domain.pddl"] = write_domain(domain, source)
+    digits = max(2, len(str(problems)))
+    for index, task in enumerate(sample_tasks(environment, "test", problems, seed)):
+        name = f"p{index + 1:0{digits}}"
+        problem = problem_of(environment, task, name)
+        header = f"evaluation task {index} of seed {seed}, environment {environment.name}"
+        texts[f"{name}.pddl"] = write_problem(problem, domain, header)
+    for name, text in texts.items():
+        write_text(out / name, text)
+    click.echo(f"domain.pddl and {problems} problems: {out}")

@@ -1,0 +1,61 @@
+"""The program: finds subcommands, and turns errors into one line and an exit code.
+
+One file in this folder is one subcommand, named after the file; it offers ``command``. Help is read from the
+files' docstrings, so that ``bpns --help`` imports none of them.
+"""
+
+import ast
+import sys
+import warnings
+from importlib import import_module
+from pathlib import Path
+
+import click
+
+from bpns import __version__
+from symbolic.errors import InputError, Unsupported
+
+BAD_INPUT, UNSUPPORTED = 36, 37
+
+
+class _Commands(click.Group):
+    def list_commands(self, _: click.Context) -> list[str]:
+        files = Path(__file__).parent.glob("[!_]*.py")
+        return sorted(file.stem for file in files if file.stem != "main")
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        if name not in self.list_commands(context):
+            return None
+        command: click.Command = import_module(f"cli.{name}").command
+        return command
+
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        rows = []
+        for name in self.list_commands(context):
+            text = (Path(__file__).parent / f"{name}.py").read_text(encoding="utf-8")
+            rows.append((name, (ast.get_docstring(ast.parse(text)) or "").partition("\n")[0]))
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+@click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="bpns")
+def program() -> None:
+    """Learn skills from demonstrations, export them as PDDL, and plan with any planner.
+
+    Exit codes: 0 done, 1 differences found (replay), 2 wrong usage, 11 no plan exists, 12 plans exist but
+    none was refined, 36 bad input, 37 unsupported PDDL.
+    """
+
+
+def main() -> None:
+    """Run the command line and exit."""
+    warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
+    try:
+        program(prog_name="bpns")
+    except InputError as error:
+        print(f"error: {' '.join(str(error).split())}", file=sys.stderr)
+        sys.exit(UNSUPPORTED if isinstance(error, Unsupported) else BAD_INPUT)
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader has gone: say nothing more
+        sys.exit(1)

@@ -1,0 +1,232 @@
+"""Plan for one task or PDDL problem; show the result."""
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from cli._options import (
+    Subject,
+    budget_of,
+    json_option,
+    load_subject,
+    oracle_option,
+    planner_option,
+    plans_option,
+    samples_option,
+    timeout_option,
+)
+from symbolic import planners
+from symbolic.bilevel import NoPlan, Plan, solve
+from symbolic.environment import abstract, domain_of, sample_tasks
+from symbolic.execution import Execution, execute
+from symbolic.grounding import Unreachable, ground
+from symbolic.pddl.read import read_domain, read_problem
+from symbolic.pddl.write import model_names
+from symbolic.planners import AbstractPlan, Limit, SearchRecord
+from symbolic.refinement import DeadEnd
+from symbolic.structs import Domain, sort_atoms
+
+NO_PLAN, NOT_REFINED = 11, 12
+
+
+@click.command()
+@click.argument("model", type=click.Path(path_type=Path), required=False)
+@oracle_option
+@click.option("--task", type=click.IntRange(0), help="Number of the evaluation task (default: 0).")
+@click.option("--problem", type=click.Path(path_type=Path), help="A PDDL problem: abstract plans only.")
+@click.option("--seed", type=click.IntRange(0), help="Of tasks and planner (default: the model's).")
+@planner_option
+@plans_option
+@samples_option
+@timeout_option
+@click.option("--show", type=click.Path(path_type=Path), help="Write an animation: .gif, .webp or .png.")
+@json_option
+def command(
+    model: Path | None,
+    oracle: str | None,
+    task: int | None,
+    problem: Path | None,
+    seed: int | None,
+    planner: str,
+    plans: int | None,
+    samples: int | None,
+    timeout: float | None,
+    show: Path | None,
+    as_json: bool,
+) -> None:
+    """Plan with MODEL (a model folder, or with --problem also a domain.pddl).
+
+    With --task the plan is refined in the simulator and carried out. With --problem up to --plans abstract
+    plans (default 1) are printed. Exits with 11 if no plan exists, 12 if plans exist but none was refined.
+    """
+    if problem is not None:
+        if task is not None or show is not None or samples is not None:
+            raise click.UsageError("--task, --samples and --show need a task: leave --problem out")
+        domain = _domain(model, oracle)
+        _plan_problem(domain, problem, planner, plans or 1, seed or 0, timeout, as_json)
+        return
+    if model is not None and model.suffix == ".pddl":
+        raise click.UsageError("a domain file has no skills: give --problem too, or a model folder")
+    subject = load_subject(model, oracle)
+    _plan_task(subject, task or 0, seed, planner, plans, samples, timeout, show, as_json)
+
+
+# ----------------------------------------------------------------------------------- PDDL problems
+
+
+def _domain(model: Path | None, oracle: str | None) -> Domain:
+    if model is not None and oracle is None and not model.is_dir():
+        return read_domain(model)
+    subject = load_subject(model, oracle)
+    return domain_of(subject.environment, (skill.operator for skill in subject.skills.values()))
+
+
+def _plan_problem(
+    domain: Domain, path: Path, planner: str, plans: int, seed: int, timeout: float | None, as_json: bool
+) -> None:
+    """Print abstract plans in the format of the planning competitions."""
+    problem = read_problem(path, domain, model_names(domain))
+    chosen = planners.load(planner)
+    grounded = ground(domain, problem)
+    if isinstance(grounded, Unreachable):
+        click.echo(str(grounded))
+        sys.exit(NO_PLAN)
+    deadline = None if timeout is None else time.monotonic() + timeout
+    record = SearchRecord()
+    stream: Iterator[AbstractPlan] = chosen.plans(
+        grounded, np.random.default_rng(seed), Limit(10_000_000, deadline), record
+    )
+    found = [[_call(step) for step in plan.steps] for plan in islice(stream, plans)]
+    if as_json:
+        click.echo(
+            json.dumps({"planner": chosen.name, "plans": found, "stopped_by": record.stopped_by}, indent=2)
+        )
+    else:
+        for number, steps in enumerate(found, 1):
+            click.echo(f"; plan {number}, {len(steps)} steps, {chosen.name}")
+            for step in steps:
+                click.echo(step)
+        if record.stopped_by:
+            click.echo(f"; stopped by the {record.stopped_by}")
+        elif not found:
+            click.echo("no plan exists: the whole state space was searched")
+    if not found:
+        sys.exit(NOT_REFINED if record.stopped_by else NO_PLAN)
+
+
+def _call(step: Any) -> str:
+    return f"({' '.join([step.operator.name, *(o.name for o in step.objects)])})".lower()
+
+
+# ------------------------------------------------------------------------------------------- tasks
+
+
+def _plan_task(
+    subject: Subject,
+    number: int,
+    seed: int | None,
+    planner: str,
+    plans: int | None,
+    samples: int | None,
+    timeout: float | None,
+    show: Path | None,
+    as_json: bool,
+) -> None:
+    environment = subject.environment
+    seed = subject.seed if seed is None else seed
+    task = sample_tasks(environment, "test", number + 1, seed)[number]
+    deadline = None if timeout is None else time.monotonic() + timeout
+    outcome = solve(
+        environment,
+        task,
+        subject.skills,
+        planners.load(planner),
+        budget_of(environment, plans, samples),
+        seed + number + 1,
+        deadline,
+    )
+    execution = execute(environment, task, outcome) if isinstance(outcome, Plan) else None
+    goal = ", ".join(map(str, sort_atoms(task.goal)))
+    if as_json:
+        click.echo(json.dumps(_as_json(outcome, execution, goal), indent=2))
+    else:
+        click.echo(f"task {number} of seed {seed} in {environment.name}: {goal}")
+        _print_outcome(outcome, execution)
+    if show is not None and isinstance(outcome, Plan) and execution is not None:
+        _show(show, subject, outcome, execution, goal)
+        click.echo(f"animation: {show}", err=as_json)
+    if isinstance(outcome, NoPlan):
+        sys.exit(NO_PLAN if outcome.reason in ("unreachable", "no plan") else NOT_REFINED)
+    if execution is not None and not execution.success:
+        sys.exit(NOT_REFINED)
+
+
+def _print_outcome(outcome: Plan | NoPlan, execution: Execution | None) -> None:
+    effort = outcome.effort
+    if isinstance(outcome, Plan):
+        for number, step in enumerate(outcome.steps, 1):
+            click.echo(f"  {number}. {step.skill.operator}  ({len(step.trajectory.actions)} actions)")
+    else:
+        click.echo(outcome.text)
+    for end, count in _worst(outcome):
+        click.echo(f"  dead end, {count} x: plan {end.plan}, step {end.step} {end.operator}: {end.reason}")
+    click.echo(f"planned:  {_yes(effort.abstract_plans > 0)} ({effort.abstract_plans} abstract plans tried)")
+    click.echo(f"refined:  {_yes(isinstance(outcome, Plan))} ({effort.samples} samples)")
+    executed = execution is not None and execution.success
+    fault = f" ({execution.fault})" if execution is not None and execution.fault else ""
+    click.echo(f"executed: {_yes(executed)}{fault}")
+    parts = ", ".join(f"{part} {seconds * 1000:.1f} ms" for part, seconds in effort.seconds.items())
+    click.echo(f"nodes:    {effort.nodes_created} created, {effort.nodes_expanded} expanded; {parts}")
+
+
+def _worst(outcome: Plan | NoPlan) -> list[tuple[DeadEnd, int]]:
+    """Return the most frequent dead ends."""
+    return sorted(outcome.dead_ends.items(), key=lambda item: (-item[1], item[0]))[:5]
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
+
+
+def _as_json(outcome: Plan | NoPlan, execution: Execution | None, goal: str) -> dict[str, Any]:
+    effort = outcome.effort
+    return {
+        "goal": goal,
+        "planned": effort.abstract_plans > 0,
+        "refined": isinstance(outcome, Plan),
+        "executed": execution is not None and execution.success,
+        "fault": outcome.text if isinstance(outcome, NoPlan) else execution.fault if execution else "",
+        "plan": [str(s.skill.operator) for s in outcome.steps] if isinstance(outcome, Plan) else None,
+        "actions": [a.tolist() for a in execution.trajectory.actions] if execution else None,
+        "nodes_created": effort.nodes_created,
+        "nodes_expanded": effort.nodes_expanded,
+        "abstract_plans": effort.abstract_plans,
+        "samples": effort.samples,
+        "seconds": dict(effort.seconds),
+        "dead_ends": [
+            {"plan": e.plan, "step": e.step, "operator": e.operator, "reason": e.reason, "count": n}
+            for e, n in sorted(outcome.dead_ends.items())
+        ],
+    }
+
+
+def _show(path: Path, subject: Subject, plan: Plan, execution: Execution, goal: str) -> None:
+    """Write the animation; the caption says operator, atoms and goal."""
+    from envs._animation import write_animation  # pillow: slow to import
+
+    states = execution.trajectory.states
+    owners = [*execution.steps, None]  # the step that begins in each state
+    captions = []
+    always = frozenset.intersection(*(abstract(subject.environment, state) for state in states))
+    for state, owner in zip(states, owners, strict=True):
+        name = "done" if owner is None else f"{owner + 1}. {plan.steps[owner].skill.operator}"
+        atoms = ", ".join(map(str, sort_atoms(abstract(subject.environment, state) - always)))
+        captions.append(f"{name}\n{atoms}\ngoal: {goal}")
+    write_animation(path, subject.environment, states, captions)

@@ -1,0 +1,55 @@
+"""Animations of trajectories."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from PIL.Image import Dither, Image
+
+from symbolic.environment import Environment
+from symbolic.errors import InputError
+from symbolic.files import replacing
+from symbolic.state import Features, State
+
+FRAMES_PER_ACTION = 8
+FRAME_MILLISECONDS = 50
+PAUSE_MILLISECONDS = 1500  # on the last frame
+FORMATS = {".gif": "GIF", ".webp": "WEBP", ".png": "PNG"}
+
+
+def write_animation(
+    path: Path, environment: Environment, states: Sequence[State], captions: Sequence[str]
+) -> None:
+    """Write a GIF, WebP or animated PNG; ``captions`` has one text for each state."""
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"cannot write an animation as '{path.name}': use .gif, .webp or .png")
+    frames: list[Image] = []
+    durations: list[int] = []
+    for number, state in enumerate(states):
+        frames.append(environment.draw(state, captions[number]))
+        durations.append(FRAME_MILLISECONDS * 4)  # a moment at every real state
+        if number + 1 < len(states):
+            for step in range(1, FRAMES_PER_ACTION):
+                between = _between(state, states[number + 1], step / FRAMES_PER_ACTION)
+                frames.append(environment.draw(between, captions[number]))
+                durations.append(FRAME_MILLISECONDS)
+    durations[-1] = PAUSE_MILLISECONDS
+    kind = FORMATS[path.suffix.lower()]
+    if kind == "GIF":
+        palette = frames[0].quantize(128)
+        frames = [frame.quantize(palette=palette, dither=Dither.NONE) for frame in frames]
+    with replacing(path) as temporary:
+        frames[0].save(temporary, kind, save_all=True, append_images=frames[1:], duration=durations, loop=0)
+
+
+def _between(first: State, second: State, share: float) -> State:
+    """Blend two states; features that jump between whole numbers (flags) wait for the second state."""
+
+    def blend(a: float, b: float) -> float:
+        return a if a.is_integer() and b.is_integer() else a + share * (b - a)
+
+    changes: dict[str, Features] = {
+        name: tuple(blend(a, b) for a, b in zip(values, second.features[name], strict=True))
+        for name, values in first.features.items()
+        if values is not second.features[name]
+    }
+    return first.changed(changes)

@@ -1,0 +1,1 @@
+"""From demonstrations to skills; the only layer that may use torch."""

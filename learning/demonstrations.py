@@ -1,0 +1,197 @@
+"""Demonstrations: made with oracle skills, kept in HDF5 files that explain themselves."""
+
+import json
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from symbolic import planners
+from symbolic.bilevel import NoPlan, solve
+from symbolic.environment import Environment, sample_tasks
+from symbolic.errors import InputError
+from symbolic.execution import execute
+from symbolic.files import replacing
+from symbolic.state import State, Task, Trajectory
+from symbolic.structs import GroundAtom, Object, Predicate, Type
+
+FORMAT = "bpns demonstrations 1"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Demonstration:
+    """A trajectory that solves a task."""
+
+    task_index: int
+    task: Task
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Demonstrations:
+    """What one run of ``collect`` gave; ``failures`` says for each task without demonstration why."""
+
+    environment: str
+    seed: int
+    asked: int
+    demonstrations: tuple[Demonstration, ...]
+    failures: tuple[tuple[int, str], ...]
+
+
+def demonstrate(environment: Environment, seed: int, numbered: tuple[int, Task]) -> Demonstration | str:
+    """Solve a train task with the oracle skills and carry the whole plan out; or say why that failed.
+
+    Source: spec, algorithm.md section 1.
+    """
+    index, task = numbered
+    skills = {skill.operator.name: skill for skill in environment.oracle_skills}
+    plan = solve(environment, task, skills, planners.load("astar"), environment.budget, seed + index + 1)
+    if isinstance(plan, NoPlan):
+        return plan.text
+    execution = execute(environment, task, plan, whole=True)
+    return execution.fault or Demonstration(index, task, execution.trajectory)
+
+
+def collect(
+    environment: Environment,
+    count: int,
+    seed: int,
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Demonstrations:
+    """Demonstrate the first ``count`` train tasks; the result does not depend on ``workers``."""
+    tasks = list(enumerate(sample_tasks(environment, "train", count, seed)))
+    work = partial(demonstrate, environment, seed)
+    found, failures = [], []
+    with ExitStack() as stack:
+        if workers > 1:
+            pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+            results = stack.enter_context(pool).map(work, tasks, chunksize=10)
+        else:
+            results = map(work, tasks)
+        for index, result in enumerate(results):
+            if isinstance(result, str):
+                failures.append((index, result))
+            else:
+                found.append(result)
+            progress(index + 1, count)
+    return Demonstrations(environment.name, seed, count, tuple(found), tuple(failures))
+
+
+# -------------------------------------------------------------------------------------------- files
+
+
+def symbols(environment: Environment) -> dict[str, Any]:
+    """Return types, features and predicates as JSON values."""
+    types: dict[str, Any] = {}
+    for leaf in environment.types:
+        step: Type | None = leaf
+        while step is not None:
+            parent = step.parent.name if step.parent else None
+            types[step.name] = {"features": list(step.features), "parent": parent}
+            step = step.parent
+    predicates = {p.name: [t.name for t in p.types] for p in environment.classifiers}
+    return {"types": types, "predicates": predicates}
+
+
+def write_demonstrations(path: Path, data: Demonstrations, environment: Environment) -> None:
+    """Write demonstrations; the same ones give the same bytes."""
+    with replacing(path) as temporary, h5py.File(temporary, "w", libver="latest") as file:
+        header = {
+            "format": FORMAT,
+            "environment": data.environment,
+            "seed": data.seed,
+            "asked": data.asked,
+            "failures": data.failures,
+            "budget": asdict(environment.budget),
+            **symbols(environment),
+        }
+        for key, value in header.items():
+            file.attrs[key] = value if isinstance(value, (str, int)) else json.dumps(value)
+        file.attrs["layout"] = (
+            "demonstrations/N/states: (T+1, F) features of the objects in order; actions: (T, A); "
+            "attributes objects {name: type}, goal [[predicate, object, ...], ...], task (index)"
+        )
+        for demonstration in data.demonstrations:
+            group = file.create_group(f"demonstrations/{demonstration.task_index:06d}")
+            states = demonstration.trajectory.states
+            objects = states[0].objects
+            group.attrs["task"] = demonstration.task_index
+            group.attrs["objects"] = json.dumps({o.name: o.type.name for o in objects})
+            goal = [[a.predicate.name, *(o.name for o in a.objects)] for a in demonstration.task.goal]
+            group.attrs["goal"] = json.dumps(sorted(goal))
+            group["states"] = np.array([s.vector(objects) for s in states], np.float64)
+            group["actions"] = np.array(demonstration.trajectory.actions, np.float32)
+
+
+def read_environment_name(path: Path) -> str:
+    """Return the name of the environment that demonstrations come from; raise InputError as below."""
+    with _open(path) as file:
+        return str(file.attrs["environment"])
+
+
+def read_demonstrations(path: Path, environment: Environment) -> Demonstrations:
+    """Read demonstrations; raise InputError where the file is broken or of another environment."""
+    with _open(path) as file:
+        own = symbols(environment)
+        if file.attrs["environment"] != environment.name:
+            raise InputError(
+                f"{path}: demonstrations of '{file.attrs['environment']}', not of '{environment.name}': "
+                "give a file of this environment, or choose that one"
+            )
+        for key, values in own.items():
+            if json.loads(file.attrs[key]) != values:
+                raise InputError(
+                    f"{path}: its {key} differ from those of '{environment.name}' here: "
+                    f"make the demonstrations again with 'bpns demos {environment.name}'"
+                )
+        try:
+            found = [_read_one(group, environment) for group in file["demonstrations"].values()]
+        except (KeyError, ValueError, OSError, RuntimeError) as error:
+            raise InputError(f"{path}: broken demonstrations file: {error}") from error
+        failures = tuple((int(i), str(why)) for i, why in json.loads(file.attrs["failures"]))
+        return Demonstrations(
+            environment.name, int(file.attrs["seed"]), int(file.attrs["asked"]), tuple(found), failures
+        )
+
+
+def _open(path: Path) -> h5py.File:
+    """Open a demonstrations file; raise InputError where it is none."""
+    if not path.is_file():
+        raise InputError(f"cannot read {path}: no such file (make one with 'bpns demos')")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise InputError(
+            f"{path}: not an HDF5 file, or truncated: make it again with 'bpns demos'"
+        ) from error
+    if file.attrs.get("format") != FORMAT:
+        file.close()
+        raise InputError(f"{path}: an HDF5 file, but not of {FORMAT}: make one with 'bpns demos'")
+    return file
+
+
+def _read_one(group: h5py.Group, environment: Environment) -> Demonstration:
+    types = {t.name: t for t in environment.types}
+    objects = {n: Object(n, types[t]) for n, t in json.loads(group.attrs["objects"]).items()}
+    predicates: dict[str, Predicate] = {p.name: p for p in environment.classifiers}
+    goal: frozenset[GroundAtom] = frozenset(
+        predicates[name](*(objects[o] for o in arguments))
+        for name, *arguments in json.loads(group.attrs["goal"])
+    )
+    ends = np.cumsum([len(o.type.features) for o in objects.values()])
+    states = []
+    for row in group["states"][()].tolist():
+        pieces = {
+            o: row[end - len(o.type.features) : end] for o, end in zip(objects.values(), ends, strict=True)
+        }
+        states.append(State.of(pieces))
+    trajectory = Trajectory(tuple(states), tuple(group["actions"][()]))
+    return Demonstration(int(group.attrs["task"]), Task(states[0], goal), trajectory)

@@ -1,0 +1,156 @@
+"""Solving evaluation tasks and counting, as in the paper's tables. Source: spec, algorithm.md section 10."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from statistics import fmean, pstdev
+from time import monotonic
+
+from symbolic.bilevel import Plan, solve
+from symbolic.environment import Budget, Environment, sample_tasks
+from symbolic.execution import execute
+from symbolic.planners import Planner
+from symbolic.refinement import DeadEnd
+from symbolic.skills import Skill
+from symbolic.state import Task
+
+
+@dataclass(frozen=True, slots=True)
+class Solver:
+    """All that is needed to solve tasks."""
+
+    environment: Environment
+    skills: Mapping[str, Skill]
+    planner: Planner
+    budget: Budget
+    timeout: float | None = None  # seconds per task
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How one task went. Times are seconds of wall clock."""
+
+    seed: int
+    task: int
+    planned: bool  # an abstract plan was found
+    refined: bool  # one was refined in the simulator
+    executed: bool  # carrying it out reached the goal
+    fault: str
+    dead_ends: tuple[tuple[DeadEnd, int], ...]  # the most frequent ones
+    nodes_created: int
+    nodes_expanded: int
+    abstract_plans: int
+    samples: int
+    plan_length: int
+    planning_seconds: float
+    policy_seconds: float
+
+    @property
+    def seconds(self) -> float:
+        """The paper's test time: planning, and policy calls during execution."""
+        return self.planning_seconds + self.policy_seconds
+
+
+def evaluate_task(solver: Solver, numbered: tuple[int, int, Task]) -> Result:
+    """Plan for a task and carry the plan out; the planner's seed is the run's plus the task's number."""
+    seed, index, task = numbered
+    deadline = None if solver.timeout is None else monotonic() + solver.timeout
+    outcome = solve(
+        solver.environment, task, solver.skills, solver.planner, solver.budget, seed + index + 1, deadline
+    )
+    refined = isinstance(outcome, Plan)
+    if isinstance(outcome, Plan):
+        execution = execute(solver.environment, task, outcome)
+        executed, fault, policy_seconds = execution.success, execution.fault, execution.policy_seconds
+        length = len(outcome.steps)
+    else:
+        executed, fault, policy_seconds, length = False, outcome.text, 0.0, 0
+    effort = outcome.effort
+    ends = sorted(outcome.dead_ends.items(), key=lambda item: (-item[1], item[0]))
+    return Result(
+        seed,
+        index,
+        effort.abstract_plans > 0,
+        refined,
+        executed,
+        fault,
+        tuple(ends[:5]),
+        effort.nodes_created,
+        effort.nodes_expanded,
+        effort.abstract_plans,
+        effort.samples,
+        length,
+        sum(effort.seconds.values()),
+        policy_seconds,
+    )
+
+
+def evaluate(
+    solver: Solver,
+    seeds: Iterable[int],
+    tasks: int,
+    workers: int = 1,
+    progress: Callable[[int], None] = lambda done: None,
+) -> list[Result]:
+    """Evaluate on the first ``tasks`` evaluation tasks of every seed; times aside, workers change nothing."""
+    work = [
+        (seed, index, task)
+        for seed in seeds
+        for index, task in enumerate(sample_tasks(solver.environment, "test", tasks, seed))
+    ]
+    results = []
+    with ExitStack() as stack:
+        run: Callable[..., Iterable[Result]] = map
+        if workers > 1:
+            pool = stack.enter_context(ProcessPoolExecutor(workers, mp_context=get_context("spawn")))
+            run = partial(pool.map, chunksize=5)
+        for result in run(partial(evaluate_task, solver), work):
+            results.append(result)
+            progress(len(results))
+    return results
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Means over seeds, each with the population standard deviation; shares are in percent.
+
+    Seconds are over solved tasks, nodes over refined ones, as in the paper.
+    """
+
+    planned: tuple[float, float]
+    refined: tuple[float, float]
+    solved: tuple[float, float]
+    seconds: tuple[float, float]
+    nodes_created: tuple[float, float]
+    abstract_plans: tuple[float, float]
+    samples: tuple[float, float]
+
+
+def summarize(results: Sequence[Result]) -> Summary:
+    """Return the statistics of an evaluation."""
+    by_seed: dict[int, list[Result]] = {}
+    for result in results:
+        by_seed.setdefault(result.seed, []).append(result)
+
+    def over_seeds(one: Callable[[list[Result]], float | None]) -> tuple[float, float]:
+        values = [value for rows in by_seed.values() if (value := one(rows)) is not None]
+        return (fmean(values), pstdev(values)) if values else (float("nan"), float("nan"))
+
+    def share(which: Callable[[Result], bool]) -> tuple[float, float]:
+        return over_seeds(lambda rows: 100 * fmean(which(r) for r in rows))
+
+    def mean(of: Callable[[Result], float], among: Callable[[Result], bool]) -> tuple[float, float]:
+        return over_seeds(lambda rows: fmean(v) if (v := [of(r) for r in rows if among(r)]) else None)
+
+    return Summary(
+        share(lambda r: r.planned),
+        share(lambda r: r.refined),
+        share(lambda r: r.executed),
+        mean(lambda r: r.seconds, lambda r: r.executed),
+        mean(lambda r: r.nodes_created, lambda r: r.refined),
+        mean(lambda r: r.abstract_plans, lambda r: r.refined),
+        mean(lambda r: r.samples, lambda r: r.refined),
+    )

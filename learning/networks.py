@@ -1,0 +1,76 @@
+"""Trained networks at inference: numpy only, so that planning never imports torch."""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array32: TypeAlias = NDArray[np.float32]
+Part: TypeAlias = Literal["policy", "generator", "discriminator"]  # of a skill
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scaling:
+    """Maps columns to a common range: value -> (value - shift) / scale."""
+
+    shift: Array32  # (C,)
+    scale: Array32  # (C,)
+
+    @classmethod
+    def of(cls, rows: Array32) -> "Scaling":
+        """Shift by the minimum, scale by the range but at least by 1 (spec, algorithm.md section 6)."""
+        low, high = rows.min(axis=0), rows.max(axis=0)
+        return cls(low, np.maximum(high - low, np.float32(1)))
+
+    @classmethod
+    def of_targets(cls, rows: Array32) -> "Scaling":
+        """As ``of``, but with scale 0 for columns that never vary: undone, they are exactly that constant."""
+        low, high = rows.min(axis=0), rows.max(axis=0)
+        return cls(low, np.where(high > low, np.maximum(high - low, np.float32(1)), np.float32(0)))
+
+    @property
+    def varying(self) -> NDArray[np.intp]:
+        """The columns whose scale is not 0."""
+        return np.flatnonzero(self.scale)
+
+    def apply(self, rows: Array32) -> Array32:
+        """Return scaled rows, (..., C)."""
+        return (rows - self.shift) / self.scale
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Network:
+    """A fully connected network with ReLU between its layers, as trained on scaled inputs."""
+
+    inputs: Scaling
+    layers: tuple[tuple[Array32, Array32], ...]  # weights (out, in) and biases (out,)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Folded:
+    """A network with its scalings absorbed into the first and last layer, in float64: fast on single rows."""
+
+    layers: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...]  # weights (in, out), biases (out,)
+
+    @classmethod
+    def of(cls, network: Network, outputs: Scaling | None = None) -> "Folded":
+        """Fold input scaling, and output scaling where the last layer's values are scaled targets."""
+        layers = [(w.T.astype(np.float64), b.astype(np.float64)) for w, b in network.layers]
+        weights, biases = layers[0]
+        weights = weights / network.inputs.scale[:, None].astype(np.float64)
+        layers[0] = weights, biases - network.inputs.shift.astype(np.float64) @ weights
+        if outputs is not None:
+            weights, biases = layers[-1]
+            layers[-1] = weights * outputs.scale, biases * outputs.scale + outputs.shift
+        return cls(tuple(layers))
+
+    def __call__(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return outputs in their own units, (..., C_in) -> (..., C_out)."""
+        values = rows
+        for weights, biases in self.layers[:-1]:
+            values = values @ weights
+            values += biases
+            np.maximum(values, 0.0, out=values)
+        weights, biases = self.layers[-1]
+        return values @ weights + biases

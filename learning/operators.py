@@ -1,0 +1,154 @@
+"""Segments -> operators: clustering by unification, preconditions by intersection.
+
+Source: spec, algorithm.md sections 4 and 5.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from learning.segmentation import Segment
+from symbolic.structs import (
+    GroundAtom,
+    LiftedAtom,
+    Object,
+    Operator,
+    Variable,
+    canonical_order,
+    sort_atoms,
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Member:
+    """A segment of an operator; ``objects`` are those that its parameters stand for, in order."""
+
+    segment: Segment
+    objects: tuple[Object, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OperatorData:
+    """A learned operator and the segments that it was learned from."""
+
+    operator: Operator
+    members: tuple[Member, ...]
+
+
+@dataclass(slots=True)
+class _Cluster:
+    variables: tuple[Variable, ...]
+    add_effects: frozenset[LiftedAtom]
+    delete_effects: frozenset[LiftedAtom]
+    members: list[Member] = field(default_factory=list)
+
+
+def learn_operators(segments: Sequence[Segment], min_share: float = 0.01) -> list[OperatorData]:
+    """Return the operators with at least ``min_share`` of all segments, named Op<i> in order of discovery.
+
+    A segment joins the first cluster whose effects become its own under a one-to-one, type-preserving
+    map of variables to objects.
+    """
+    clusters: list[_Cluster] = []
+    for segment in segments:
+        for cluster in clusters:
+            match = _match(cluster, segment)
+            if match is not None:
+                cluster.members.append(Member(segment, tuple(match[v] for v in cluster.variables)))
+                break
+        else:
+            clusters.append(_new_cluster(segment))
+    return [
+        OperatorData(
+            Operator(
+                f"Op{number}",
+                cluster.variables,
+                _preconditions(cluster),
+                cluster.add_effects,
+                cluster.delete_effects,
+            ),
+            tuple(cluster.members),
+        )
+        for number, cluster in enumerate(clusters)
+        if len(cluster.members) >= len(segments) * min_share
+    ]
+
+
+def _new_cluster(segment: Segment) -> _Cluster:
+    effects = segment.add_effects | segment.delete_effects
+    objects = canonical_order({o for atom in effects for o in atom.objects})
+    lift = {o: Variable(f"?x{i}", o.type) for i, o in enumerate(objects)}
+    return _Cluster(
+        tuple(lift.values()),
+        frozenset(_lifted(atom, lift) for atom in segment.add_effects),
+        frozenset(_lifted(atom, lift) for atom in segment.delete_effects),
+        [Member(segment, objects)],
+    )
+
+
+def _lifted(atom: GroundAtom, lift: Mapping[Object, Variable]) -> LiftedAtom:
+    return LiftedAtom(atom.predicate, tuple(lift[o] for o in atom.objects))
+
+
+def _preconditions(cluster: _Cluster) -> frozenset[LiftedAtom]:
+    """Return the lifted initial atoms over the parameters that all members share."""
+    shared: frozenset[LiftedAtom] | None = None
+    for member in cluster.members:
+        lift = dict(zip(member.objects, cluster.variables, strict=True))
+        atoms = frozenset(
+            _lifted(a, lift) for a in member.segment.init_atoms if all(o in lift for o in a.objects)
+        )
+        shared = atoms if shared is None else shared & atoms
+    return shared or frozenset()
+
+
+def _match(cluster: _Cluster, segment: Segment) -> dict[Variable, Object] | None:
+    """Return a map under which the cluster's effects are the segment's, or None."""
+    pairs = []
+    for lifted, ground in (
+        (cluster.add_effects, segment.add_effects),
+        (cluster.delete_effects, segment.delete_effects),
+    ):
+        if sorted(a.predicate.name for a in lifted) != sorted(a.predicate.name for a in ground):
+            return None
+        pairs.append((sort_atoms(lifted), sort_atoms(ground)))
+    (added, adds), (deleted, deletes) = pairs
+    return _extend({}, added, adds, deleted, deletes)
+
+
+def _extend(
+    found: dict[Variable, Object],
+    lifted: list[LiftedAtom],
+    ground: list[GroundAtom],
+    later_lifted: list[LiftedAtom],
+    later_ground: list[GroundAtom],
+) -> dict[Variable, Object] | None:
+    """Match the first lifted atom with each ground one in turn, then the rest; add effects come first."""
+    if not lifted:
+        return _extend(found, later_lifted, later_ground, [], []) if later_lifted else found
+    for i, atom in enumerate(ground):
+        extended = _unify(lifted[0], atom, found)
+        if extended is not None:
+            rest = ground[:i] + ground[i + 1 :]
+            result = _extend(extended, lifted[1:], rest, later_lifted, later_ground)
+            if result is not None:
+                return result
+    return None
+
+
+def _unify(
+    lifted: LiftedAtom, atom: GroundAtom, found: Mapping[Variable, Object]
+) -> dict[Variable, Object] | None:
+    """Extend a one-to-one, type-preserving map so that the lifted atom becomes the ground one."""
+    if lifted.predicate != atom.predicate:
+        return None
+    extended = dict(found)
+    for variable, obj in zip(lifted.terms, atom.objects, strict=True):
+        assert isinstance(variable, Variable)  # learned operators mention no constants
+        if variable in extended:
+            if extended[variable] != obj:
+                return None
+        elif variable.type != obj.type or obj in extended.values():
+            return None
+        else:
+            extended[variable] = obj
+    return extended

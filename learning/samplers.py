@@ -1,0 +1,122 @@
+"""Samplers: a generator proposes subgoals, a discriminator rejects. Source: spec, algorithm.md section 7."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from learning.networks import Array32, Folded, Network, Scaling
+from learning.operators import Member, OperatorData
+from learning.policies import Changing, changing_values
+from symbolic.state import Array, State
+from symbolic.structs import Object
+
+MAX_NEGATIVES = 100_000
+MAX_DRAWS = 101  # the last one is returned unseen
+
+
+def subgoal_of(member: Member, changing: Changing) -> NDArray[np.float64]:
+    """Return the change that a segment brought about, (D,)."""
+    states = member.segment.trajectory.states
+    first, last = (changing_values(s, member.objects, changing) for s in (states[0], states[-1]))
+    change: NDArray[np.float64] = last - first
+    return change
+
+
+def generator_examples(data: OperatorData, changing: Changing) -> tuple[Array32, Array32]:
+    """Return inputs (B, 1 + features) of the segments' first states and subgoals (B, D)."""
+    inputs = [[1.0, *m.segment.trajectory.states[0].vector(m.objects)] for m in data.members]
+    subgoals = [subgoal_of(m, changing) for m in data.members]
+    return np.array(inputs, np.float32), np.array(subgoals, np.float32)
+
+
+def discriminator_examples(
+    data: OperatorData, changing: Changing, rng: np.random.Generator
+) -> tuple[Array32, Array32] | None:
+    """Return inputs (B, 1 + features + D) and labels (B, 1); None where there are no negatives.
+
+    Negatives are the segments' subgoals with other objects in the parameters; where there are more of them
+    than positives, a random subset of equal size is kept.
+    """
+    inputs, subgoals = generator_examples(data, changing)
+    positives = np.hstack([inputs, subgoals])
+    rows: list[list[float]] = []
+    for member, subgoal in zip(data.members, subgoals.tolist(), strict=True):
+        for objects in _other_bindings(data, member):
+            if len(rows) < MAX_NEGATIVES:
+                rows.append([1.0, *member.segment.trajectory.states[0].vector(objects), *subgoal])
+    if not rows:
+        return None
+    negatives = np.array(rows, np.float32)
+    if len(positives) < (len(positives) + len(negatives)) // 2:
+        negatives = negatives[np.sort(rng.choice(len(negatives), len(positives), replace=False))]
+    labels = np.repeat(np.array([1, 0], np.float32), [len(positives), len(negatives)])
+    return np.vstack([positives, negatives]), labels[:, None]
+
+
+def _other_bindings(data: OperatorData, member: Member) -> list[tuple[Object, ...]]:
+    """Return the assignments of objects to the parameters for which the segment is no example."""
+    segment = member.segment
+    objects = segment.trajectory.states[0].objects
+    found = []
+    for binding in product(*([o for o in objects if o.type.is_a(v.type)] for v in data.operator.parameters)):
+        if binding != member.objects:
+            ground = data.operator.ground(binding)
+            fits = (
+                ground.add_effects <= segment.add_effects and ground.delete_effects <= segment.delete_effects
+            )
+            if not fits:
+                found.append(binding)
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LearnedSampler:
+    """Draws from the generator's Gaussian until the discriminator, if there is one, accepts."""
+
+    changing: Changing
+    generator: Network | None  # last layer: D scaled means, D raw variances; None where D is 0
+    subgoals: Scaling
+    discriminator: Network | None  # last layer: one logit
+    folded_generator: Folded | None
+    folded_discriminator: Folded | None
+
+    @classmethod
+    def of(
+        cls,
+        changing: Changing,
+        generator: Network | None,
+        subgoals: Scaling,
+        discriminator: Network | None,
+    ) -> "LearnedSampler":
+        """Prepare trained networks for use."""
+        folded = [Folded.of(network) if network else None for network in (generator, discriminator)]
+        return cls(changing, generator, subgoals, discriminator, *folded)
+
+    @property
+    def dimension(self) -> int:
+        """The length D of a subgoal."""
+        return len(self.changing)
+
+    def sample(self, state: State, objects: tuple[Object, ...], rng: np.random.Generator) -> Array:
+        """Return a subgoal, (D,) float32; the generator runs once for all draws."""
+        if self.folded_generator is None:
+            return np.zeros(0, np.float32)
+        row = np.array([1.0, *state.vector(objects)])
+        output = self.folded_generator(row)
+        mean, raw = output[: self.dimension], output[self.dimension :]
+        variance = np.where(raw > 0, raw + 1, np.exp(np.minimum(raw, 0)))  # ELU(raw) + 1
+        center = mean * self.subgoals.scale + self.subgoals.shift
+        spread = np.sqrt(variance) * self.subgoals.scale
+        draws = 0
+        while True:
+            count = 1 if draws == 0 else MAX_DRAWS - draws  # the first is mostly good
+            subgoals = (center + spread * rng.standard_normal((count, self.dimension))).astype(np.float32)
+            draws += count
+            if self.folded_discriminator is None:
+                return np.asarray(subgoals[0])
+            rows = np.hstack([np.broadcast_to(row, (count, len(row))), subgoals])
+            accepted = np.flatnonzero(self.folded_discriminator(rows)[:, 0] > 0)
+            if len(accepted) or draws == MAX_DRAWS:
+                return np.asarray(subgoals[accepted[0] if len(accepted) else -1])

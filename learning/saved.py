@@ -1,0 +1,315 @@
+"""A saved model is a folder: domain.pddl, skills.safetensors, skills.json, run.json.
+
+``domain.pddl`` is the truth for the symbolic part: a person may edit it and plan again.
+"""
+
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+from safetensors import SafetensorError
+from safetensors.numpy import load_file, save_file
+
+from learning.networks import Array32, Network, Part, Scaling
+from learning.policies import Changing, LearnedPolicy
+from learning.samplers import LearnedSampler
+from symbolic.environment import Environment, domain_of
+from symbolic.errors import InputError
+from symbolic.files import read_json, write_json
+from symbolic.pddl.read import read_domain
+from symbolic.pddl.write import model_names, write_domain
+from symbolic.skills import Skill
+from symbolic.structs import Domain, LiftedAtom, Object, Operator, Variable
+
+FORMAT = "bpns model 1"
+FILES = ("domain.pddl", "skills.json", "skills.safetensors", "run.json")
+
+
+class SkillEntry(BaseModel):
+    """What skills.json says of one skill."""
+
+    model_config = ConfigDict(extra="forbid")
+    parameters: list[tuple[str, str]]  # name, type
+    subgoal: list[tuple[str, str]]  # parameter, feature: what a subgoal changes
+    max_actions: int | None  # in one roll-out; null: the environment's limit alone
+    segments: int  # that it was learned from
+    training: dict[Part, tuple[float, int]]  # network -> best loss, iterations
+
+
+class ModelFile(BaseModel):
+    """skills.json."""
+
+    model_config = ConfigDict(extra="forbid")
+    format: str
+    approach: str
+    environment: str
+    seed: int
+    skills: dict[str, SkillEntry]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SavedModel:
+    """A model as loaded."""
+
+    environment: Environment
+    seed: int
+    domain: Domain
+    skills: Mapping[str, Skill]
+    entries: Mapping[str, SkillEntry]
+
+
+# --------------------------------------------------------------------------------------------- save
+
+
+def write_model(
+    folder: Path,
+    environment: Environment,
+    seed: int,
+    skills: Sequence[tuple[Skill, SkillEntry]],
+    run: Mapping[str, Any],
+    header: str,
+) -> None:
+    """Write a model folder in one piece; raise InputError rather than replace anything but a model.
+
+    ``run`` goes to run.json as it is. The other files hold nothing that changes from run to run.
+    """
+    if folder.exists() and not is_model(folder) and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{folder} exists and is no model: give another --out, or move it away")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+    try:
+        domain = domain_of(environment, (skill.operator for skill, _ in skills))
+        total = sum(entry.segments for _, entry in skills)
+        comments = {
+            skill.operator.name: f"learned from {entry.segments} of {total} segments"
+            for skill, entry in skills
+        }
+        (temporary / "domain.pddl").write_text(write_domain(domain, header, comments), encoding="utf-8")
+        tensors = {n: t for skill, _ in skills for n, t in _tensors(skill).items()}
+        save_file(tensors, temporary / "skills.safetensors")
+        entries = {skill.operator.name: entry for skill, entry in skills}
+        file = ModelFile(
+            format=FORMAT, approach="bpns", environment=environment.name, seed=seed, skills=entries
+        )
+        write_json(temporary / "skills.json", file.model_dump(mode="json"))
+        write_json(temporary / "run.json", run)
+        temporary.chmod(0o755)
+        if folder.exists():
+            shutil.rmtree(folder)
+        temporary.rename(folder)
+    except OSError as error:
+        raise InputError(f"cannot write {folder}: {error.strerror or error}") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def entry_of(skill: Skill, segments: int, training: Mapping[Part, tuple[float, int]]) -> SkillEntry:
+    """Describe a learned skill for skills.json."""
+    parameters = skill.operator.parameters
+    assert isinstance(skill.policy, LearnedPolicy)
+    return SkillEntry(
+        parameters=[(v.name, v.type.name) for v in parameters],
+        subgoal=[(parameters[p].name, parameters[p].type.features[f]) for p, f in skill.policy.changing],
+        max_actions=skill.max_actions,
+        segments=segments,
+        training=dict(training),
+    )
+
+
+def _tensors(skill: Skill) -> dict[str, Array32]:
+    """Return a skill's arrays by name: OPERATOR.PART.NAME."""
+    policy, sampler = skill.policy, skill.sampler
+    assert isinstance(policy, LearnedPolicy)
+    assert isinstance(sampler, LearnedSampler)
+    found: dict[str, Array32] = {}
+    parts = {"policy": policy.network, "generator": sampler.generator, "discriminator": sampler.discriminator}
+    for part, network in parts.items():
+        if network is not None:
+            found[f"{part}.inputs.shift"] = network.inputs.shift
+            found[f"{part}.inputs.scale"] = network.inputs.scale
+            for number, (weights, biases) in enumerate(network.layers):
+                found[f"{part}.{number}.weights"] = weights
+                found[f"{part}.{number}.biases"] = biases
+    for part, scaling in {"policy": policy.actions, "generator": sampler.subgoals}.items():
+        found[f"{part}.outputs.shift"] = scaling.shift
+        found[f"{part}.outputs.scale"] = scaling.scale
+    return {f"{skill.operator.name}.{n}": np.ascontiguousarray(t, np.float32) for n, t in found.items()}
+
+
+# --------------------------------------------------------------------------------------------- load
+
+
+def is_model(folder: Path) -> bool:
+    """Say whether a folder holds a model, perhaps a broken one."""
+    return (folder / "skills.json").is_file() and (folder / "domain.pddl").is_file()
+
+
+def read_model_file(folder: Path) -> ModelFile:
+    """Return skills.json, checked; raise InputError where the folder is no model or incomplete."""
+    if not folder.is_dir():
+        raise InputError(f"no model folder {folder}: make one with 'bpns learn'")
+    for name in FILES[:3]:
+        if not (folder / name).is_file():
+            raise InputError(f"{folder} is no complete model: {name} is missing: learn it again")
+    try:
+        file = ModelFile.model_validate(read_json(folder / "skills.json"))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "the whole file"
+        raise InputError(
+            f"{folder / 'skills.json'}: {place}: {first['msg']}: learn the model again"
+        ) from error
+    if file.format != FORMAT:
+        raise InputError(
+            f"{folder / 'skills.json'}: format '{file.format}' is not '{FORMAT}': learn it again"
+        )
+    return file
+
+
+def read_model(folder: Path, environment: Environment) -> SavedModel:
+    """Load a model; raise InputError where its files do not fit each other or the environment."""
+    file = read_model_file(folder)
+    if file.environment != environment.name:
+        raise InputError(f"{folder} was learned in '{file.environment}', not in '{environment.name}'")
+    path = folder / "domain.pddl"
+    names = model_names(domain_of(environment, ())) | {name.lower(): name for name in file.skills}
+    operators = bind_operators(read_domain(path, names), environment, path)
+    by_name = {operator.name: operator for operator in operators}
+    have = ", ".join(file.skills)
+    for name in by_name:
+        if name not in file.skills:
+            raise InputError(
+                f"{path}: operator '{name}' has no weights (skills.json has: {have}): "
+                "give it one of these names, or remove it"
+            )
+    for name in file.skills:
+        if name not in by_name:
+            raise InputError(
+                f"{folder / 'skills.json'}: weights of '{name}' have no operator in domain.pddl: "
+                "put the operator back, or remove this entry"
+            )
+    try:
+        tensors = load_file(folder / "skills.safetensors")
+    except (SafetensorError, OSError) as error:
+        raise InputError(
+            f"{folder / 'skills.safetensors'}: broken: {error}: learn the model again"
+        ) from error
+    skills = {n: _skill(by_name[n], file.skills[n], tensors, environment, folder) for n in by_name}
+    return SavedModel(environment, file.seed, domain_of(environment, operators), skills, file.skills)
+
+
+def bind_operators(domain: Domain, environment: Environment, path: Path) -> tuple[Operator, ...]:
+    """Return a PDDL domain's operators over an environment's own types and predicates."""
+    types = {t.name: t for t in domain_of(environment, ()).types}
+    predicates = {p.name: p for p in environment.classifiers}
+    for predicate in domain.predicates:
+        own = predicates.get(predicate.name)
+        if own is None or [t.name for t in own.types] != [t.name for t in predicate.types]:
+            have = ", ".join(p.signature for p in predicates.values())
+            raise InputError(
+                f"{path}: predicate {predicate.signature} is none of environment '{environment.name}' "
+                f"(have: {have})"
+            )
+    if domain.constants:
+        raise InputError(f"{path}: a model's operators cannot mention constants: use parameters")
+
+    def bind(operator: Operator) -> Operator:
+        for variable in operator.parameters:
+            if variable.type.name not in types:
+                raise InputError(
+                    f"{path}: {operator.name}: type '{variable.type.name}' is none of environment "
+                    f"'{environment.name}' (have: {', '.join(types)})"
+                )
+        variables = {v: Variable(v.name, types[v.type.name]) for v in operator.parameters}
+
+        def atoms(lifted: frozenset[LiftedAtom]) -> frozenset[LiftedAtom]:
+            return frozenset(
+                LiftedAtom(
+                    predicates[a.predicate.name],
+                    tuple(t if isinstance(t, Object) else variables[t] for t in a.terms),
+                )
+                for a in lifted
+            )
+
+        return Operator(
+            operator.name,
+            tuple(variables.values()),
+            atoms(operator.preconditions),
+            atoms(operator.add_effects),
+            atoms(operator.delete_effects),
+            atoms(operator.negative_preconditions),
+        )
+
+    return tuple(bind(operator) for operator in domain.operators)
+
+
+def _skill(
+    operator: Operator,
+    entry: SkillEntry,
+    tensors: Mapping[str, Array32],
+    environment: Environment,
+    folder: Path,
+) -> Skill:
+    """Put a skill together from its three files."""
+    wanted = [kind for _, kind in entry.parameters]
+    found = [v.type.name for v in operator.parameters]
+    if wanted != found:
+        raise InputError(
+            f"{folder / 'domain.pddl'}: {operator.name} has parameters of types ({', '.join(found)}), but its "
+            f"weights need ({', '.join(wanted)}): restore them, or learn again"
+        )
+    changing = _changing(operator, entry, folder)
+    size = sum(len(v.type.features) for v in operator.parameters) + 1
+    dimension, actions = len(changing), len(environment.action_low)
+
+    def take(name: str, *shape: int) -> Array32:
+        tensor = tensors.get(f"{operator.name}.{name}")
+        if tensor is None or tensor.shape != shape:
+            what = "missing" if tensor is None else f"of shape {tensor.shape}, not {shape}"
+            raise InputError(
+                f"{folder / 'skills.safetensors'}: {operator.name}.{name} is {what}: learn the model again"
+            )
+        return tensor
+
+    def scaling(name: str, columns: int) -> Scaling:
+        return Scaling(take(f"{name}.shift", columns), take(f"{name}.scale", columns))
+
+    def network(part: str, columns: int, outputs: int) -> Network:
+        prefix = f"{operator.name}.{part}."
+        depth = sum(n.startswith(prefix) and n.endswith(".weights") for n in tensors)
+        widths = [len(tensors.get(f"{prefix}{i}.biases", ())) for i in range(depth)]
+        sizes = [columns, *widths[:-1], outputs]
+        layers = tuple(
+            (take(f"{part}.{i}.weights", b, a), take(f"{part}.{i}.biases", b))
+            for i, (a, b) in enumerate(pairwise(sizes))
+        )
+        return Network(scaling(f"{part}.inputs", columns), layers)
+
+    box = environment.action_low, environment.action_high
+    policy = LearnedPolicy.of(
+        changing, network("policy", size + dimension, actions), scaling("policy.outputs", actions), box
+    )
+    generator = network("generator", size, 2 * dimension) if dimension else None
+    discriminator = None
+    if f"{operator.name}.discriminator.0.weights" in tensors:
+        discriminator = network("discriminator", size + dimension, 1)
+    sampler = LearnedSampler.of(changing, generator, scaling("generator.outputs", dimension), discriminator)
+    return Skill(operator, policy, sampler, max_actions=entry.max_actions)
+
+
+def _changing(operator: Operator, entry: SkillEntry, folder: Path) -> Changing:
+    """Return the changing features by number; parameters count by place, so that they may be renamed."""
+    places = {name: place for place, (name, _) in enumerate(entry.parameters)}
+    found = []
+    for name, feature in entry.subgoal:
+        if name not in places or feature not in operator.parameters[places[name]].type.features:
+            raise InputError(f"{folder / 'skills.json'}: {operator.name}: no feature {name}.{feature}")
+        place = places[name]
+        found.append((place, operator.parameters[place].type.features.index(feature)))
+    return tuple(found)

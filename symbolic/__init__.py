@@ -1,0 +1,1 @@
+"""What is true and what follows: values, PDDL, planners, refinement."""

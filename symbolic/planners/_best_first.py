@@ -1,0 +1,137 @@
+"""All plans of a compiled problem in order of cost: A* that keeps every path."""
+
+from collections.abc import Iterator
+from heapq import heappop, heappush
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from symbolic.compile import CompiledProblem
+from symbolic.heuristics import Heuristic
+from symbolic.planners import Limit, SearchRecord
+
+
+class Node(NamedTuple):
+    """A path: how its last state was reached."""
+
+    state: int
+    length: int
+    parent: "Node | None"
+    operator: int
+
+    def steps(self) -> list[int]:
+        """Return the numbers of the operators along the path."""
+        steps = []
+        node = self
+        while node.parent is not None:
+            steps.append(node.operator)
+            node = node.parent
+        return steps[::-1]
+
+
+class _PathSearch:
+    """A* over paths with estimates that sharpen as states are visited again.
+
+    Until the first plan, a path to a state that was expanded at no greater length is set aside: this is
+    A* on states, which proves that there is no plan when the queue runs empty. From then on every path
+    counts. What keeps that from exploding are the estimates: no expanded state can be nearer to a goal
+    than the first plan's length minus its own depth, and no state nearer than its best successor.
+    """
+
+    def __init__(
+        self, problem: CompiledProblem, heuristic: Heuristic, rng: np.random.Generator, record: SearchRecord
+    ) -> None:
+        self.problem = problem
+        self.heuristic = heuristic
+        self.rng = rng
+        self.record = record
+        self.queue: list[tuple[float, float, int, Node]] = []  # estimated length, random tie, serial number
+        self.estimates: dict[int, float] = {}  # state -> lower bound on the length of the rest
+        self.successors: dict[int, list[tuple[int, int]]] = {}  # state -> (operator, next state)
+        self.depth: dict[int, int] = {}  # expanded state -> least length of a path to it so far
+        self.aside: list[Node] | None = []  # None once there is a plan
+        self.push(Node(problem.init, 0, None, -1))
+
+    def estimate(self, state: int) -> float:
+        """Return the best known lower bound on the rest of a plan from a state."""
+        if state not in self.estimates:
+            self.estimates[state] = 0 if self.problem.is_goal(state) else self.heuristic(state)
+        return self.estimates[state]
+
+    def push(self, node: Node) -> None:
+        """Queue a new path unless its end cannot reach the goal."""
+        self.record.nodes_created += 1
+        self.requeue(node)
+
+    def requeue(self, node: Node) -> None:
+        """Queue a path by the present estimate."""
+        total = node.length + self.estimate(node.state)
+        if total < inf:
+            serial = self.record.nodes_created + len(self.queue)
+            heappush(self.queue, (total, self.rng.random(), serial, node))
+
+    def expand(self, state: int) -> list[tuple[int, int]]:
+        """Return operators and next states."""
+        if state not in self.successors:
+            self.successors[state] = [
+                (number, operator.apply(state))
+                for number, operator in enumerate(self.problem.operators)
+                if operator.applicable(state)
+            ]
+        return self.successors[state]
+
+    def sharpen(self, node: Node) -> bool:
+        """Raise the estimates along a path to what the successors allow; say whether its end's rose."""
+        rose = False
+        step: Node | None = node
+        while step is not None:
+            best = min((1 + self.estimate(s) for _, s in self.expand(step.state)), default=inf)
+            if best <= self.estimate(step.state):
+                break
+            self.estimates[step.state] = best
+            rose = True
+            step = step.parent
+        return rose
+
+    def found_first(self, length: int) -> None:
+        """Use the first plan's length, and take back the paths that were set aside."""
+        aside, self.aside = self.aside or [], None
+        for state, depth in self.depth.items():
+            self.estimates[state] = max(self.estimates[state], length - depth)
+        for node in aside:
+            self.requeue(node)
+
+    def run(self, limit: Limit) -> Iterator[list[int]]:
+        """Yield plans as lists of operator numbers."""
+        while self.queue:
+            if self.record.nodes_created >= limit.nodes or limit.late:
+                self.record.stopped_by = "time limit" if limit.late else "node limit"
+                return
+            total, _, _, node = heappop(self.queue)
+            if node.length + self.estimate(node.state) > total:
+                self.requeue(node)
+            elif self.problem.is_goal(node.state):
+                if self.aside is not None:
+                    self.found_first(node.length)
+                yield node.steps()
+            elif self.aside is not None and self.depth.get(node.state, inf) <= node.length:
+                self.aside.append(node)
+            elif self.aside is None and self.sharpen(node):
+                self.requeue(node)
+            else:
+                self.depth[node.state] = min(node.length, self.depth.get(node.state, node.length))
+                self.record.nodes_expanded += 1
+                for number, state in self.expand(node.state):
+                    self.push(Node(state, node.length + 1, node, number))
+
+
+def enumerate_plans(
+    problem: CompiledProblem,
+    heuristic: Heuristic,
+    rng: np.random.Generator,
+    limit: Limit,
+    record: SearchRecord,
+) -> Iterator[list[int]]:
+    """Yield plans as lists of operator numbers; in order of length where the heuristic is admissible."""
+    return _PathSearch(problem, heuristic, rng, record).run(limit)

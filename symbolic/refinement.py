@@ -1,0 +1,100 @@
+"""One abstract plan -> trajectories, by backtracking over subgoals."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symbolic.environment import Environment, holds
+from symbolic.planners import Limit
+from symbolic.skills import Failed, GroundSkill, NotInitiable
+from symbolic.state import Array, State, Trajectory
+from symbolic.structs import GroundAtom, sort_atoms
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RefinedStep:
+    """A skill with the subgoal that worked and what it did."""
+
+    skill: GroundSkill
+    subgoal: Array
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class DeadEnd:
+    """Where a refinement failed: which plan (counting from 1), which of its steps (from 1), and why."""
+
+    plan: int
+    step: int
+    operator: str
+    reason: str
+
+
+@dataclass(slots=True)
+class RefinementRecord:
+    """What refining has cost so far and where it failed."""
+
+    samples: int = 0
+    dead_ends: Counter[DeadEnd] = field(default_factory=Counter)
+
+
+@dataclass(frozen=True, slots=True)
+class Refiner:
+    """Everything that stays the same while one abstract plan is refined."""
+
+    environment: Environment
+    plan_number: int
+    steps: Sequence[GroundSkill]
+    expected: Sequence[frozenset[GroundAtom]]  # the atoms that must hold after 0, 1, ... steps
+    samples_per_step: int
+    max_samples: int  # over all plans of the task
+    limit: Limit
+    rng: np.random.Generator
+    record: RefinementRecord
+
+    def refine(self, state: State, step: int = 0, actions: int = 0) -> Iterator[tuple[RefinedStep, ...]]:
+        """Yield the ways to carry out the plan from ``step`` on; each is found by fresh samples.
+
+        Source: spec, algorithm.md section 8. A step without anything to sample is tried once.
+        """
+        if step == len(self.steps):
+            yield ()
+            return
+        tries = self.samples_per_step if self.steps[step].skill.sampler.dimension else 1
+        for _ in range(tries):
+            if self.record.samples >= self.max_samples or self.limit.late:
+                return
+            attempt = self.attempt(state, step, actions)
+            if isinstance(attempt, RefinedStep):
+                trajectory = attempt.trajectory
+                used = actions + len(trajectory.actions)
+                for rest in self.refine(trajectory.states[-1], step + 1, used):
+                    yield (attempt, *rest)
+            else:
+                operator = str(self.steps[step].operator)
+                self.record.dead_ends[DeadEnd(self.plan_number, step + 1, operator, attempt)] += 1
+
+    def attempt(self, state: State, step: int, actions: int) -> RefinedStep | str:
+        """Sample a subgoal and roll the skill out; return the step, or why it is a dead end."""
+        skill = self.steps[step]
+        self.record.samples += 1
+        subgoal = skill.skill.sampler.sample(state, skill.operator.objects, self.rng)
+        left = self.environment.horizon - actions
+        most = min(self.environment.rollout_limit, left + 1)  # one more than fits shows that it does not fit
+        rollout = skill.roll_out(self.environment, state, subgoal, most)
+        if isinstance(rollout, NotInitiable):
+            return "not initiable"
+        if isinstance(rollout, Failed):
+            return f"failure: {rollout.reason}"
+        trajectory = rollout.trajectory
+        if not trajectory.actions:
+            return "over before it began"
+        if len(trajectory.actions) > left:
+            return "horizon"
+        last = trajectory.states[-1]
+        missing = [a for a in self.expected[step + 1] if not holds(self.environment, a, last)]
+        if missing:
+            return f"missing {', '.join(map(str, sort_atoms(missing)))}{' (stuck)' if rollout.stuck else ''}"
+        return RefinedStep(skill, subgoal, trajectory)

@@ -1,0 +1,85 @@
+"""The continuous side: states, tasks and trajectories."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symbolic.structs import GroundAtom, Object, canonical_order
+
+Array: TypeAlias = NDArray[np.floating]
+Features: TypeAlias = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """Every object's features as Python floats. No equality: ask ``close`` with a tolerance.
+
+    Features are kept by object name in tuples, not in arrays: simulators read single numbers, and
+    reading one from a numpy array costs ten times as much.
+    """
+
+    objects: tuple[Object, ...]  # canonical order
+    features: Mapping[str, Features]  # object name -> one float per feature of its type
+    by_type: Mapping[str, tuple[Object, ...]]  # type name -> its objects, canonical order
+
+    @classmethod
+    def of(cls, features: Mapping[Object, Iterable[float]]) -> "State":
+        """Build a state, checking the number of features; raise ValueError where it is wrong."""
+        objects = canonical_order(features)
+        values = {o.name: tuple(float(v) for v in features[o]) for o in objects}
+        for obj in objects:
+            if len(values[obj.name]) != len(obj.type.features):
+                raise ValueError(
+                    f"{obj.name} has {len(values[obj.name])} features, "
+                    f"but a {obj.type.name} has {len(obj.type.features)}"
+                )
+        types = {o.type.name for o in objects}
+        return cls(objects, values, {t: tuple(o for o in objects if o.type.name == t) for t in types})
+
+    def __getitem__(self, obj: Object) -> Features:
+        return self.features[obj.name]
+
+    def value(self, obj: Object, feature: str) -> float:
+        """Return one feature by name."""
+        return self.features[obj.name][obj.type.features.index(feature)]
+
+    def changed(self, changes: Mapping[str, Features]) -> "State":
+        """Return a copy in which the named objects have other features."""
+        return State(self.objects, {**self.features, **changes}, self.by_type)
+
+    def vector(self, objects: Iterable[Object]) -> list[float]:
+        """Return the features of the objects, one after the other."""
+        return [value for obj in objects for value in self.features[obj.name]]
+
+    def close(self, other: "State") -> bool:
+        """Say whether all features agree within 1e-3 + 1e-5 |other| (the stuck tests' tolerance)."""
+        for name, values in self.features.items():
+            others = other.features[name]
+            if values is not others:  # what a step leaves alone is the same tuple
+                for a, b in zip(values, others, strict=True):
+                    if not abs(a - b) <= 1e-3 + 1e-5 * abs(b):
+                        return False
+        return True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """An initial state and the ground atoms that must hold in the end."""
+
+    init: State
+    goal: frozenset[GroundAtom]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trajectory:
+    """States and the actions between them: one more state than actions."""
+
+    states: tuple[State, ...]
+    actions: tuple[Array, ...]  # each (A,) float32
+
+    def __post_init__(self) -> None:
+        if len(self.states) != len(self.actions) + 1:
+            raise ValueError(f"{len(self.states)} states do not fit {len(self.actions)} actions")

@@ -1,0 +1,234 @@
+"""Symbolic values: types, objects, predicates, atoms, operators, domains and problems.
+
+Every value is frozen and compared by content. Hashes use names only, because a hash over the nested
+fields is recomputed each time an atom enters a set and dominated the profile.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Self, TypeVar
+
+Atom = TypeVar("Atom", "GroundAtom", "LiftedAtom")
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """A type, its features (entries of a state vector, in order) and the type that it specialises."""
+
+    name: str
+    features: tuple[str, ...] = ()
+    parent: "Type | None" = None
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def is_a(self, ancestor: "Type") -> bool:
+        """Say whether every object of this type is one of ``ancestor`` too."""
+        if ancestor == OBJECT:
+            return True
+        step: Type | None = self
+        while step is not None:
+            if step == ancestor:
+                return True
+            step = step.parent
+        return False
+
+
+OBJECT = Type("object")  # the root of all types in PDDL; types without a parent stand right below it
+
+
+@dataclass(frozen=True, slots=True)
+class Object:
+    """A thing of a task. Two objects of one task never share a name."""
+
+    name: str
+    type: Type
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A parameter of an operator; its name starts with ``?``."""
+
+    name: str
+    type: Type
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __str__(self) -> str:
+        return f"{self.name}:{self.type.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Predicate:
+    """A relation over objects of the given types."""
+
+    name: str
+    types: tuple[Type, ...]
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __call__(self, *objects: Object) -> "GroundAtom":
+        """Apply the predicate to objects; raise ValueError on a wrong number or type."""
+        self.check([o.type for o in objects])
+        return GroundAtom(self, objects)
+
+    def lifted(self, *terms: "Variable | Object") -> "LiftedAtom":
+        """Apply the predicate to variables and constants; raise ValueError on a wrong number or type."""
+        self.check([t.type for t in terms])
+        return LiftedAtom(self, terms)
+
+    @property
+    def signature(self) -> str:
+        """The name with the argument types, for messages."""
+        return f"{self.name}({', '.join(t.name for t in self.types)})"
+
+    def check(self, types: list[Type]) -> None:
+        """Raise ValueError unless the arguments' types fit."""
+        if len(types) != len(self.types):
+            raise ValueError(f"{self.name} takes {len(self.types)} argument(s), not {len(types)}")
+        for place, (given, wanted) in enumerate(zip(types, self.types, strict=True), 1):
+            if not given.is_a(wanted):
+                raise ValueError(f"{self.name}: argument {place} is of type {given.name}, not {wanted.name}")
+
+
+@dataclass(frozen=True, slots=True)
+class GroundAtom:
+    """A predicate applied to objects."""
+
+    predicate: Predicate
+    objects: tuple[Object, ...]
+
+    def __hash__(self) -> int:
+        return hash((self.predicate.name, self.objects))
+
+    def __str__(self) -> str:
+        return f"{self.predicate.name}({', '.join(o.name for o in self.objects)})"
+
+
+@dataclass(frozen=True, slots=True)
+class LiftedAtom:
+    """A predicate applied to variables (and, in domains with constants, objects)."""
+
+    predicate: Predicate
+    terms: tuple[Variable | Object, ...]
+
+    def __hash__(self) -> int:
+        return hash((self.predicate.name, self.terms))
+
+    def __str__(self) -> str:
+        return f"{self.predicate.name}({', '.join(map(str, self.terms))})"
+
+    def ground(self, binding: Mapping[Variable, Object]) -> GroundAtom:
+        """Replace the variables by objects."""
+        objects = (binding[t] if isinstance(t, Variable) else t for t in self.terms)
+        return GroundAtom(self.predicate, tuple(objects))
+
+
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """When something can happen (preconditions) and what it changes (effects), over parameters."""
+
+    name: str
+    parameters: tuple[Variable, ...]
+    preconditions: frozenset[LiftedAtom]
+    add_effects: frozenset[LiftedAtom]
+    delete_effects: frozenset[LiftedAtom]
+    negative_preconditions: frozenset[LiftedAtom] = frozenset()
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def ground(self, objects: tuple[Object, ...]) -> "GroundOperator":
+        """Bind the parameters; raise ValueError where the number or a type is wrong."""
+        if len(objects) != len(self.parameters):
+            raise ValueError(f"{self.name} takes {len(self.parameters)} objects, not {len(objects)}")
+        for variable, obj in zip(self.parameters, objects, strict=True):
+            if not obj.type.is_a(variable.type):
+                raise ValueError(f"{self.name}: {obj.name} is no {variable.type.name}")
+        binding = dict(zip(self.parameters, objects, strict=True))
+
+        def bind(atoms: frozenset[LiftedAtom]) -> frozenset[GroundAtom]:
+            return frozenset(atom.ground(binding) for atom in atoms)
+
+        return GroundOperator(
+            self,
+            objects,
+            bind(self.preconditions),
+            bind(self.add_effects),
+            bind(self.delete_effects),
+            bind(self.negative_preconditions),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class GroundOperator:
+    """An operator with objects; the atom sets are its operator's with the variables replaced."""
+
+    operator: Operator
+    objects: tuple[Object, ...]
+    preconditions: frozenset[GroundAtom] = field(compare=False)
+    add_effects: frozenset[GroundAtom] = field(compare=False)
+    delete_effects: frozenset[GroundAtom] = field(compare=False)
+    negative_preconditions: frozenset[GroundAtom] = field(compare=False)
+
+    def __hash__(self) -> int:
+        return hash((self.operator.name, self.objects))
+
+    def __str__(self) -> str:
+        return f"{self.operator.name}({', '.join(o.name for o in self.objects)})"
+
+    def applicable(self, atoms: frozenset[GroundAtom]) -> bool:
+        """Say whether the preconditions hold in an abstract state."""
+        return self.preconditions <= atoms and not self.negative_preconditions & atoms
+
+    def apply(self, atoms: frozenset[GroundAtom]) -> frozenset[GroundAtom]:
+        """Return the next abstract state; as in PDDL, an atom both deleted and added holds."""
+        return (atoms - self.delete_effects) | self.add_effects
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """Types, constants, predicates and operators: what a PDDL domain file says."""
+
+    name: str
+    types: tuple[Type, ...]
+    predicates: tuple[Predicate, ...]
+    operators: tuple[Operator, ...]
+    constants: tuple[Object, ...] = ()
+
+    def with_operators(self, operators: Iterable[Operator]) -> Self:
+        """Return the same domain with other operators."""
+        return type(self)(self.name, self.types, self.predicates, tuple(operators), self.constants)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Objects, initial atoms and goal: what a PDDL problem file says. Constants are the domain's."""
+
+    name: str
+    objects: tuple[Object, ...]
+    init: frozenset[GroundAtom]
+    goal: frozenset[GroundAtom]
+    negative_goal: frozenset[GroundAtom] = frozenset()
+
+    def satisfied(self, atoms: frozenset[GroundAtom]) -> bool:
+        """Say whether the goal holds in an abstract state."""
+        return self.goal <= atoms and not self.negative_goal & atoms
+
+
+def canonical_order(objects: Iterable[Object]) -> tuple[Object, ...]:
+    """Sort objects by name, ties by type name: the order of every loop over objects."""
+    return tuple(sorted(objects, key=lambda o: (o.name, o.type.name)))
+
+
+def sort_atoms(atoms: Iterable[Atom]) -> list[Atom]:
+    """Sort atoms as text, for output and wherever a set becomes a sequence."""
+    return sorted(atoms, key=str)
