@@ -22,6 +22,7 @@ from cli._options import (
     samples_option,
     timeout_option,
 )
+from envs._animation import animation_format, write_animation
 from symbolic import planners
 from symbolic.bilevel import NoPlan, Plan, solve
 from symbolic.environment import abstract, domain_of, sample_tasks
@@ -139,6 +140,8 @@ def _plan_task(
     show: Path | None,
     as_json: bool,
 ) -> None:
+    if show is not None:
+        animation_format(show)
     environment = subject.environment
     seed = subject.seed if seed is None else seed
     task = sample_tasks(environment, "test", number + 1, seed)[number]
@@ -219,8 +222,6 @@ def _as_json(outcome: Plan | NoPlan, execution: Execution | None, goal: str) -> 
 
 def _show(path: Path, subject: Subject, plan: Plan, execution: Execution, goal: str) -> None:
     """Write the animation; the caption says operator, atoms and goal."""
-    from envs._animation import write_animation  # pillow: slow to import
-
     states = execution.trajectory.states
     owners = [*execution.steps, None]  # the step that begins in each state
     captions = []

@@ -16,12 +16,18 @@ PAUSE_MILLISECONDS = 1500  # on the last frame
 FORMATS = {".gif": "GIF", ".webp": "WEBP", ".png": "PNG"}
 
 
+def animation_format(path: Path) -> str:
+    """Return Pillow's name for a file's format; raise InputError where it cannot hold an animation."""
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"cannot write an animation as '{path.name}': use .gif, .webp or .png")
+    return FORMATS[path.suffix.lower()]
+
+
 def write_animation(
     path: Path, environment: Environment, states: Sequence[State], captions: Sequence[str]
 ) -> None:
     """Write a GIF, WebP or animated PNG; ``captions`` has one text for each state."""
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(f"cannot write an animation as '{path.name}': use .gif, .webp or .png")
+    kind = animation_format(path)
     frames: list[Image] = []
     durations: list[int] = []
     for number, state in enumerate(states):
@@ -33,7 +39,6 @@ def write_animation(
                 frames.append(environment.draw(between, captions[number]))
                 durations.append(FRAME_MILLISECONDS)
     durations[-1] = PAUSE_MILLISECONDS
-    kind = FORMATS[path.suffix.lower()]
     if kind == "GIF":
         palette = frames[0].quantize(128)
         frames = [frame.quantize(palette=palette, dither=Dither.NONE) for frame in frames]

@@ -361,7 +361,10 @@ def draw(state: State, caption: str = "") -> Image:
         edge = RED if held else GRAY
         canvas.rectangle(left, bottom, block[WIDTH], block[HEIGHT], COLORS[i % 4], 0.75, edge)
         label = f"{name} (grasped)" if held else name
-        canvas.text(block[X], -0.12 if not held else block[Y] + 0.05, label, 11)
+        if held:
+            canvas.text(left + block[WIDTH] + 0.015, bottom + block[HEIGHT] / 2, label, 11, anchor="lm")
+        else:
+            canvas.text(block[X], -0.12, label, 11)
     region_y = -0.08
     bars = [
         (b[X] + low, b[X] + high)

@@ -261,8 +261,8 @@ def _skill(
     found = [v.type.name for v in operator.parameters]
     if wanted != found:
         raise InputError(
-            f"{folder / 'domain.pddl'}: {operator.name} has parameters of types ({', '.join(found)}), but its "
-            f"weights need ({', '.join(wanted)}): restore them, or learn again"
+            f"{folder / 'domain.pddl'}: {operator.name} has parameters of types ({', '.join(found)}), "
+            f"but its weights need ({', '.join(wanted)}): restore them, or learn again"
         )
     changing = _changing(operator, entry, folder)
     size = sum(len(v.type.features) for v in operator.parameters) + 1

@@ -29,7 +29,6 @@ from symbolic.environment import Environment
 from symbolic.errors import InputError
 from symbolic.skills import Skill
 
-
 DEFAULT_POLICY = Training(10_000, Stop(1000, 1e-6))
 DEFAULT_GENERATOR = Training(50_000, Stop(1000, 1e-2))
 DEFAULT_DISCRIMINATOR = Training(10_000, Stop(1000, 1e-3))

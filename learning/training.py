@@ -5,7 +5,8 @@ themselves: activations live in fixed buffers, one column per row of data, and t
 outputs comes from the loss. A row of ones below each layer's activations makes biases part of the weights.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
@@ -156,6 +157,20 @@ class _Perceptron:
         return [(v[:, :-1].numpy().copy(), v[:, -1].numpy().copy()) for v in views]
 
 
+@contextmanager
+def _fast_small_numbers() -> Iterator[None]:
+    """Use one thread, since more make these sizes slower, and no denormals, where Adam's moments end up."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    torch.set_flush_denormal(True)
+    try:
+        yield
+    finally:
+        torch.set_flush_denormal(False)
+        torch.set_num_threads(threads)
+
+
+@_fast_small_numbers()
 def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: Training, seed: int) -> Fitted:
     """Fit a network to scaled targets; the weights with the lowest training loss are kept.
 
@@ -163,8 +178,6 @@ def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: T
     here; columns that never vary get weight zero, as they carry nothing.
     Source: spec, algorithm.md section 6.
     """
-    torch.set_num_threads(1)  # more threads make these sizes slower
-    torch.set_flush_denormal(True)  # Adam's moments of dead units would crawl through denormals
     scaling = Scaling.of(inputs)
     varying = np.flatnonzero(inputs.max(axis=0) > inputs.min(axis=0))
     columns = torch.from_numpy(np.ascontiguousarray(scaling.apply(inputs)[:, varying].T))

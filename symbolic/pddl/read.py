@@ -4,19 +4,24 @@ Everything else in the language is refused as unsupported, by name and with its 
 as PDDL demands; ``names`` gives their spelling in our model (``handempty`` -> ``HandEmpty``).
 """
 
-import re
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
-from typing import NoReturn, TypeAlias
-
-from lark import Lark, Token, Transformer, UnexpectedInput
-from lark.exceptions import UnexpectedEOF, UnexpectedToken
+from typing import NoReturn
 
 from symbolic.errors import PddlError, UnsupportedPddl
 from symbolic.files import read_text
+from symbolic.pddl.lists import List, Node, Word, parse_lists
+from symbolic.pddl.vocabulary import (
+    ACTION_KEYS,
+    DOMAIN_SECTIONS,
+    NAME,
+    PROBLEM_SECTIONS,
+    REQUIREMENTS,
+    UNSUPPORTED_FORMULAS,
+    UNSUPPORTED_SECTIONS,
+)
 from symbolic.structs import (
     OBJECT,
     Domain,
@@ -30,66 +35,9 @@ from symbolic.structs import (
     Variable,
 )
 
-NAME = re.compile(r"[a-z][a-z0-9_-]*\Z")
-REQUIREMENTS = {":strips", ":typing", ":negative-preconditions", ":constants", ":equality", ":adl"}
-REQUIREMENTS |= {":disjunctive-preconditions", ":existential-preconditions", ":universal-preconditions"}
-REQUIREMENTS |= {":quantified-preconditions", ":conditional-effects", ":action-costs", ":fluents"}
-REQUIREMENTS |= {":numeric-fluents", ":object-fluents", ":goal-utilities", ":derived-predicates"}
-REQUIREMENTS |= {":durative-actions", ":timed-initial-literals", ":preferences", ":constraints"}
-DOMAIN_SECTIONS = (":requirements", ":types", ":constants", ":predicates", ":action")
-PROBLEM_SECTIONS = (":domain", ":requirements", ":objects", ":init", ":goal")
-ACTION_KEYS = (":parameters", ":precondition", ":effect")
-UNSUPPORTED_SECTIONS = {":functions", ":constraints", ":durative-action", ":derived", ":metric", ":axiom"}
-UNSUPPORTED_SECTIONS |= {":length", ":process", ":event", ":timeless", ":situation", ":safety"}
-UNSUPPORTED_FORMULAS = {"or", "imply", "forall", "exists", "when", "=", "increase", "decrease", "assign"}
-UNSUPPORTED_FORMULAS |= {"scale-up", "scale-down", "preference", "oneof", "at-end", "<", ">", "<=", ">="}
-
 
 class PddlWarning(UserWarning):
     """Something that strict readers refuse; the text carries the place."""
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A word in lower case and where it stands."""
-
-    text: str
-    line: int
-    column: int
-
-
-@dataclass(frozen=True, slots=True)
-class List:
-    """A parenthesised list and where it opens."""
-
-    items: "tuple[Node, ...]"
-    line: int
-    column: int
-
-    @property
-    def head(self) -> str:
-        """The first word, or nothing."""
-        return self.items[0].text if self.items and isinstance(self.items[0], Word) else ""
-
-
-Node: TypeAlias = Word | List
-
-
-class _Build(Transformer[Token, List]):
-    def start(self, children: list[List]) -> List:
-        return children[0]
-
-    def list(self, children: "list[Token | Node]") -> List:
-        opening, *items, _ = children
-        assert isinstance(opening, Token)
-        nodes = (Word(i.lower(), i.line or 0, i.column or 0) if isinstance(i, Token) else i for i in items)
-        return List(tuple(nodes), opening.line or 0, opening.column or 0)
-
-
-@cache
-def _parser() -> Lark:
-    text = (Path(__file__).parent / "grammar.lark").read_text(encoding="utf-8")
-    return Lark(text, parser="lalr", transformer=_Build(), keep_all_tokens=True, propagate_positions=False)
 
 
 def read_domain(path: Path, names: Mapping[str, str] | None = None) -> Domain:
@@ -104,7 +52,7 @@ def read_problem(path: Path, domain: Domain, names: Mapping[str, str] | None = N
 
 def parse_domain(text: str, path: str = "<text>", names: Mapping[str, str] | None = None) -> Domain:
     """Return the domain that a text describes; see the module's docstring."""
-    return _Reader(path, names or {}).domain(_tree(text, path))
+    return _Reader(path, names or {}).domain(parse_lists(text, path))
 
 
 def parse_problem(
@@ -113,26 +61,7 @@ def parse_problem(
     """Return the problem that a text describes; see the module's docstring."""
     reader = _Reader(path, names or {})
     reader.adopt(domain)
-    return reader.problem(_tree(text, path), domain)
-
-
-def _tree(text: str, path: str) -> List:
-    """Parse the parentheses."""
-    try:
-        tree = _parser().parse(text)
-    except UnexpectedToken as error:
-        line, column = max(error.line, 1), max(error.column, 1)
-        if error.token.type == "$END":
-            line, column = text.count("\n") + 1, len(text) - text.rfind("\n")
-            what = "the file ends inside a list" if "(" in text else "the file is empty"
-            raise PddlError(path, line, column, f"{what}: a ')' is missing, or the file is cut off") from None
-        if error.token == ")":
-            raise PddlError(path, line, column, "')' without its '(': remove it") from None
-        raise PddlError(path, line, column, f"'{error.token}' outside the definition: remove it") from None
-    except (UnexpectedEOF, UnexpectedInput) as error:
-        raise PddlError(path, 1, 1, f"not PDDL: {error}".splitlines()[0]) from None
-    assert isinstance(tree, List)
-    return tree
+    return reader.problem(parse_lists(text, path), domain)
 
 
 def _have(names: "Mapping[str, object]") -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from itertools import groupby
 
 from symbolic.errors import InputError
-from symbolic.pddl.read import NAME
+from symbolic.pddl.vocabulary import NAME
 from symbolic.structs import (
     OBJECT,
     Atom,

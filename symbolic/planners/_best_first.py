@@ -37,6 +37,9 @@ class _PathSearch:
     A* on states, which proves that there is no plan when the queue runs empty. From then on every path
     counts. What keeps that from exploding are the estimates: no expanded state can be nearer to a goal
     than the first plan's length minus its own depth, and no state nearer than its best successor.
+
+    Among paths of equal estimated length, those nearest to a goal go first until there is a plan, and
+    random ones afterwards: a first plan soon, then plans that differ.
     """
 
     def __init__(
@@ -46,11 +49,12 @@ class _PathSearch:
         self.heuristic = heuristic
         self.rng = rng
         self.record = record
-        self.queue: list[tuple[float, float, int, Node]] = []  # estimated length, random tie, serial number
+        self.queue: list[tuple[float, float, float, int, Node]] = []  # length, tie, random tie, serial number
         self.estimates: dict[int, float] = {}  # state -> lower bound on the length of the rest
         self.successors: dict[int, list[tuple[int, int]]] = {}  # state -> (operator, next state)
         self.depth: dict[int, int] = {}  # expanded state -> least length of a path to it so far
         self.aside: list[Node] | None = []  # None once there is a plan
+        self.serial = 0  # keeps the queue from ever comparing nodes
         self.push(Node(problem.init, 0, None, -1))
 
     def estimate(self, state: int) -> float:
@@ -66,10 +70,11 @@ class _PathSearch:
 
     def requeue(self, node: Node) -> None:
         """Queue a path by the present estimate."""
-        total = node.length + self.estimate(node.state)
-        if total < inf:
-            serial = self.record.nodes_created + len(self.queue)
-            heappush(self.queue, (total, self.rng.random(), serial, node))
+        rest = self.estimate(node.state)
+        if rest < inf:
+            self.serial += 1
+            tie = 0 if self.aside is None else rest
+            heappush(self.queue, (node.length + rest, tie, self.rng.random(), self.serial, node))
 
     def expand(self, state: int) -> list[tuple[int, int]]:
         """Return operators and next states."""
@@ -95,11 +100,12 @@ class _PathSearch:
         return rose
 
     def found_first(self, length: int) -> None:
-        """Use the first plan's length, and take back the paths that were set aside."""
-        aside, self.aside = self.aside or [], None
+        """Use the first plan's length, and queue all paths anew with those that were set aside."""
+        nodes = [entry[-1] for entry in self.queue] + (self.aside or [])
+        self.queue, self.aside = [], None
         for state, depth in self.depth.items():
             self.estimates[state] = max(self.estimates[state], length - depth)
-        for node in aside:
+        for node in nodes:
             self.requeue(node)
 
     def run(self, limit: Limit) -> Iterator[list[int]]:
@@ -108,7 +114,7 @@ class _PathSearch:
             if self.record.nodes_created >= limit.nodes or limit.late:
                 self.record.stopped_by = "time limit" if limit.late else "node limit"
                 return
-            total, _, _, node = heappop(self.queue)
+            total, _, _, _, node = heappop(self.queue)
             if node.length + self.estimate(node.state) > total:
                 self.requeue(node)
             elif self.problem.is_goal(node.state):

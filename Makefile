@@ -1,0 +1,64 @@
+# Two commands do everything: `make quickstart` and `make test`. Both set up .venv by themselves.
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(BIN)/pip install --disable-pip-version-check -q -c constraints.txt
+RUN := runs/quickstart
+.DEFAULT_GOAL := help
+.PHONY: help quickstart test slow check pddl-out benchmark-cover benchmark-planners
+
+help:
+	@echo "make quickstart          learn Cover, export PDDL, plan with pyperplan, show the result"
+	@echo "make test                all gates: ruff, mypy, pytest"
+	@echo "make slow                the tests that take longer"
+	@echo "make check               the gates without the tests"
+	@echo "make pddl-out            make pddl_out/ again"
+	@echo "make benchmark-cover     the README's table: five seeds, 1000 demonstrations"
+	@echo "make benchmark-planners  astar and pyperplan on the problems in pddl_out and ../shared"
+
+.venv/bin/pip:
+	$(PYTHON) -m venv .venv
+
+.venv/.user: .venv/bin/pip pyproject.toml constraints.txt
+	$(PIP) -e '.[pyperplan]'
+	@touch $@
+
+.venv/.dev: .venv/bin/pip pyproject.toml constraints.txt
+	$(PIP) -e '.[dev]'
+	@touch $@ .venv/.user
+
+quickstart: .venv/.user
+	@echo "== 1/5 demonstrations: the oracle solves 1000 training tasks"
+	$(BIN)/bpns demos cover --count 1000 --seed 0 --out $(RUN)/demos.h5
+	@echo "== 2/5 learning: operators, policies, samplers"
+	$(BIN)/bpns learn $(RUN)/demos.h5 --out $(RUN)/model --workers 2
+	@echo "== 3/5 evaluation: 50 new tasks"
+	$(BIN)/bpns evaluate $(RUN)/model
+	@echo "== 4/5 PDDL: the learned domain and ten problems"
+	$(BIN)/bpns export $(RUN)/model --out $(RUN)/pddl
+	$(BIN)/bpns plan $(RUN)/pddl/domain.pddl --problem $(RUN)/pddl/p03.pddl --planner pyperplan --plans 2
+	@echo "== 5/5 a refined plan, carried out in the simulator"
+	$(BIN)/bpns plan $(RUN)/model --task 2 --planner pyperplan --show $(RUN)/plan.gif
+	@echo
+	@echo "Look at $(RUN)/plan.gif, read and edit $(RUN)/model/domain.pddl, and plan again."
+
+check: .venv/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: check
+	$(BIN)/pytest -n 2 -m "not slow"
+
+slow: .venv/.dev
+	$(BIN)/pytest -n 2 -m slow
+
+pddl-out: .venv/.user
+	$(BIN)/bpns demos cover --count 1000 --seed 0 --out runs/pddl-out/cover.h5
+	$(BIN)/bpns learn runs/pddl-out/cover.h5 --out runs/pddl-out/cover --workers 2
+	$(BIN)/bpns export runs/pddl-out/cover --out pddl_out/cover --problems 10
+
+benchmark-cover: .venv/.user
+	$(BIN)/python benchmarks/cover.py --out runs/benchmark-cover
+
+benchmark-planners: .venv/.dev
+	$(BIN)/python benchmarks/planners.py

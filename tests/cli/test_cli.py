@@ -1,0 +1,231 @@
+"""The program as a user meets it: output, exit codes, one line for what is wrong."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import envs
+from cli.main import main
+from learning.demonstrations import Demonstrations, write_demonstrations
+from learning.saved import entry_of, write_model
+from learning.skills import LearnedSkill
+
+Run = Callable[..., tuple[int, str, str]]
+ROOT = Path(__file__).parents[2]
+COMMANDS = ("demos", "learn", "operators", "export", "plan", "evaluate", "replay", "planners", "envs")
+
+
+@pytest.fixture
+def bpns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs the program in this process; gives exit code, standard output, standard error."""
+
+    def run(*words: str | Path) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["bpns", *map(str, words)])
+        try:
+            main()
+            code = 0
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def model(learned: tuple[LearnedSkill, ...], tmp_path: Path) -> Path:
+    skills = [(one.skill, entry_of(one.skill, one.segments, one.fits)) for one in learned]
+    write_model(tmp_path / "model", envs.load("cover"), 0, skills, {}, "")
+    return tmp_path / "model"
+
+
+def imported_by(*words: str) -> tuple[str, set[str]]:
+    """Run the program in a new interpreter; return its output and the modules that it imported."""
+    code = (
+        f"import sys, cli.main\nsys.argv = {['bpns', *words]!r}\n"
+        "try: cli.main.main()\nexcept SystemExit: pass\nprint('\\nMODULES', *sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
+    out, _, modules = done.stdout.rpartition("MODULES ")
+    return out, set(modules.split())
+
+
+def test_help_lists_every_command_without_slow_imports() -> None:
+    out, modules = imported_by("--help")
+    for command in COMMANDS:
+        assert f"\n  {command} " in out
+    assert not {"numpy", "torch", "h5py", "pydantic", "PIL", "rich", "lark"} & modules
+
+
+def test_planning_does_not_import_torch(model: Path) -> None:
+    out, modules = imported_by("plan", str(model), "--task", "0")
+    assert "planned:" in out
+    assert "numpy" in modules
+    assert not {"torch", "unified_planning", "pyperplan"} & modules
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help(bpns: Run, command: str) -> None:
+    code, out, _ = bpns(command, "--help")
+    assert code == 0
+    assert "Usage: bpns" in out
+
+
+def test_demos_learn_and_plan(bpns: Run, tmp_path: Path) -> None:
+    code, out, _ = bpns("demos", "cover", "--count", 3, "--workers", 1, "--out", tmp_path / "d.h5")
+    assert code == 0
+    assert out.startswith("3 demonstrations of 3 tasks")
+
+
+def test_operators_as_in_the_paper(bpns: Run, model: Path) -> None:
+    _, out, _ = bpns("operators", model)
+    assert (
+        "Op0:\n"
+        "  Parameters: [?x0:block, ?x1:gripper]\n"
+        "  Preconditions: [HandEmpty(), IsBlock(?x0:block)]\n"
+        "  Add Effects: [Holding(?x0:block, ?x1:gripper)]\n"
+        "  Delete Effects: [HandEmpty()]\n"
+    ) in out
+    _, out, _ = bpns("operators", model, "--json")
+    assert [o["name"] for o in json.loads(out)] == ["Op0", "Op1"]
+
+
+def test_export_and_plan_with_every_planner(bpns: Run, model: Path, tmp_path: Path) -> None:
+    assert bpns("export", model, "--out", tmp_path / "out", "--problems", 3)[0] == 0
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert names == ["domain.pddl", "p01.pddl", "p02.pddl", "p03.pddl"]
+    for planner in ("astar", "astar:hff", "pyperplan", "pyperplan:gbf:hff"):
+        code, out, _ = bpns(
+            "plan", tmp_path / "out/domain.pddl", "--problem", tmp_path / "out/p03.pddl", "--planner", planner
+        )
+        assert code == 0
+        assert "; plan 1, 4 steps" in out
+    _, out, _ = bpns("plan", model, "--problem", tmp_path / "out/p01.pddl", "--plans", 5, "--json")
+    plans = json.loads(out)["plans"]
+    assert plans[0] == ["(op0 block0 robby)", "(op1 block0 robby target0)"]
+    assert len({tuple(plan) for plan in plans}) == 5
+
+
+def test_plan_refines_executes_and_shows(bpns: Run, tmp_path: Path) -> None:
+    code, out, _ = bpns("plan", "--oracle", "cover", "--task", 2, "--show", tmp_path / "plan.gif")
+    assert code == 0
+    for line in ("planned:  yes", "refined:  yes", "executed: yes"):
+        assert line in out
+    with Image.open(tmp_path / "plan.gif") as picture:
+        assert picture.n_frames > 20  # type: ignore[attr-defined]
+    code, out, _ = bpns("plan", "--oracle", "cover", "--task", 2, "--json")
+    result = json.loads(out)
+    assert result["executed"] is True
+    assert len(result["plan"]) == 4
+
+
+def test_plan_that_cannot_be_refined(bpns: Run, tmp_path: Path) -> None:
+    """One sample a step and one plan: some task of the first twenty cannot be done like that."""
+    for task in range(20):
+        code, out, _ = bpns("plan", "--oracle", "cover", "--task", task, "--plans", 1, "--samples", 1)
+        if code:
+            break
+    assert code == 12
+    assert "planned:  yes" in out
+    assert "refined:  no" in out
+    assert "dead end, 1 x: plan 1, step" in out
+
+
+UNSOLVABLE = """(define (problem p) (:domain cover)
+  (:objects b - block r - gripper t - target) (:init (isblock b)) (:goal (and (covers b t))))"""
+
+
+def test_no_plan(bpns: Run, tmp_path: Path) -> None:
+    problem = tmp_path / "p.pddl"
+    problem.write_text(UNSOLVABLE)
+    code, out, _ = bpns("plan", "pddl_out/cover/domain.pddl", "--problem", problem)
+    assert code == 11
+    assert "Covers(b, t)" in out or "covers(b, t)" in out
+
+
+def test_evaluate(bpns: Run, model: Path) -> None:
+    code, out, _ = bpns("evaluate", "--oracle", "cover", "--tasks", 4, "--seeds", "0-1")
+    assert code == 0
+    assert "mean (std)" in out
+    code, out, _ = bpns("evaluate", "--oracle", "cover", "--tasks", 4, "--seeds", "3", "--json")
+    result = json.loads(out)
+    assert [row["task"] for row in result["tasks"]] == [0, 1, 2, 3]
+    assert result["summary"]["solved"][0] == 25 * sum(row["executed"] for row in result["tasks"])
+
+
+def test_replay(bpns: Run, shared: Path, tmp_path: Path) -> None:
+    recording = shared / "reference" / "cover.json.gz"
+    code, out, _ = bpns("replay", recording)
+    assert code == 0
+    assert out.endswith("0 differences\n")
+    code, out, _ = bpns("replay", recording, "--json")
+    assert json.loads(out)["different"] == 0
+    code, _, err = bpns("replay", shared / "reference" / "coffee.json.gz", "--environment", "cover")
+    assert (code, err.count("\n")) == (36, 1) or code == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (["plan", "nowhere"], 36, "no model folder nowhere"),
+        (["learn", "nowhere.h5", "--out", "x"], 36, "no such file"),
+        (["learn", "README.md", "--out", "x"], 36, "not an HDF5 file"),
+        (["replay", "nowhere.json"], 36, "cannot read nowhere.json"),
+        (["demos", "nowhere"], 36, "unknown environment 'nowhere' (have: cover"),
+        (["plan", "--oracle", "cover", "--planner", "nonsense"], 36, "unknown planner 'nonsense'"),
+        (["plan", "--oracle", "cover", "--planner", "astar:best"], 36, "unknown heuristic 'astar:best'"),
+        (["plan", "--oracle", "cover", "--show", "film.mp4"], 36, "use .gif, .webp or .png"),
+        (["plan", "pddl_out/cover/domain.pddl", "--problem", "nowhere.pddl"], 36, "cannot read nowhere.pddl"),
+        (["plan", "pddl_out/cover/p01.pddl", "--problem", "pddl_out/cover/p01.pddl"], 36, "p01.pddl:2:9:"),
+        (["plan"], 2, "give a MODEL folder or --oracle"),
+        (["plan", "--oracle", "cover", "--task", "-1"], 2, "--task"),
+        (["evaluate", "--oracle", "cover", "--seeds", "a-b"], 2, "0-4 or 0,2,5-7"),
+        (["dance"], 2, "No such command"),
+    ],
+)
+def test_bad_input_is_one_line(
+    bpns: Run, monkeypatch: pytest.MonkeyPatch, words: list[str], code: int, message: str
+) -> None:
+    monkeypatch.chdir(ROOT)
+    found, out, err = bpns(*words)
+    assert found == code
+    assert message in err
+    if code == 36:
+        assert err.count("\n") == 1
+        assert err.startswith("error: ")
+        assert out == ""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "place"),
+    [
+        ("(and", "(or", 37, "domain.pddl:19:19: unsupported PDDL: or"),
+        ("(handempty)", "(handfull)", 36, "unknown predicate 'handfull'"),
+    ],
+)
+def test_bad_pddl(bpns: Run, tmp_path: Path, old: str, new: str, code: int, place: str) -> None:
+    text = (ROOT / "pddl_out/cover/domain.pddl").read_text()
+    start = text.index("(:action op0")
+    (tmp_path / "domain.pddl").write_text(text[:start] + text[start:].replace(old, new, 1))
+    found, _, err = bpns("plan", tmp_path / "domain.pddl", "--problem", ROOT / "pddl_out/cover/p01.pddl")
+    assert found == code
+    assert place in err
+    assert err.count("\n") == 1
+
+
+def test_demonstrations_of_another_environment(
+    bpns: Run,
+    demonstrations: Demonstrations,
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "demos.h5"
+    write_demonstrations(path, demonstrations, envs.load("cover"))
+    code, _, err = bpns("learn", path, "--environment", "tests.toy:Toy", "--out", tmp_path / "out")
+    assert code == 36
+    assert "demonstrations of 'cover', not of 'toy'" in err
+    assert not (tmp_path / "out").exists()

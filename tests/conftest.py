@@ -1,0 +1,30 @@
+from pathlib import Path
+
+import pytest
+
+import envs
+from learning.demonstrations import Demonstrations, collect
+from learning.skills import LearnedSkill, SkillConfig, learn_skills
+from learning.training import Training
+
+FEW = SkillConfig(policy=Training(300), generator=Training(300), discriminator=Training(300))
+
+
+@pytest.fixture(scope="session")
+def demonstrations() -> Demonstrations:
+    return collect(envs.load("cover"), 40, seed=0)
+
+
+@pytest.fixture(scope="session")
+def learned(demonstrations: Demonstrations) -> tuple[LearnedSkill, ...]:
+    """Cover's skills, trained too little to be good at anything."""
+    return learn_skills(envs.load("cover"), demonstrations, FEW, seed=0)
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The folder of recordings and PDDL files beside the checkout."""
+    folder = Path(__file__).parents[2] / "shared"
+    if not folder.is_dir():
+        pytest.skip(f"no {folder}: recordings and competition files are kept outside this repository")
+    return folder

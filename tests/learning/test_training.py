@@ -1,0 +1,152 @@
+"""Losses against autograd, the hand-written gradient against autograd, and that fitting fits."""
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from learning.networks import Folded, Scaling
+from learning.training import (
+    Loss,
+    Stop,
+    Training,
+    _Perceptron,
+    binary_cross_entropy,
+    fit,
+    gaussian_negative_log_likelihood,
+    mean_squared_error,
+)
+
+
+def reference_likelihood(outputs: Tensor, targets: Tensor) -> Tensor:
+    mean, raw = outputs.chunk(2)
+    variance = torch.clamp(torch.nn.functional.elu(raw) + 1, min=1e-6)
+    return (0.5 * (torch.log(variance) + (targets - mean) ** 2 / variance)).mean()
+
+
+LOSSES = [
+    (mean_squared_error, torch.nn.functional.mse_loss, 1),
+    (binary_cross_entropy, torch.nn.functional.binary_cross_entropy_with_logits, 1),
+    (gaussian_negative_log_likelihood, reference_likelihood, 2),
+]
+
+
+@pytest.mark.parametrize(("loss", "reference", "heads"), LOSSES)
+@pytest.mark.parametrize("scale", [0.1, 3.0, 20.0])
+def test_losses_and_their_gradients(loss: Loss, reference: Loss, heads: int, scale: float) -> None:
+    generator = torch.Generator().manual_seed(0)
+    outputs = (torch.randn(heads * 3, 50, generator=generator).double() * scale).requires_grad_()
+    targets = torch.rand(3, 50, generator=generator).double()
+    expected = reference(outputs, targets)
+    expected.backward()  # type: ignore[union-attr]
+    value, gradient = loss(outputs.detach(), targets)
+    assert value == pytest.approx(expected.item(), rel=1e-5)  # type: ignore[arg-type]
+    assert torch.allclose(gradient, outputs.grad, rtol=1e-6)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("hidden", [(8,), (8, 5), (7, 6, 5)])
+@pytest.mark.parametrize("rows", [1, 15, 16, 33])
+def test_backward_is_autograd(hidden: tuple[int, ...], rows: int) -> None:
+    generator = torch.Generator().manual_seed(1)
+    inputs, targets = torch.rand(4, rows, generator=generator), torch.rand(2, rows, generator=generator)
+    model = _Perceptron(inputs, 2, hidden, 4, seed=0)
+    parameters = [w.clone().requires_grad_() for w in model.weights]
+    values = inputs
+    for number, weights in enumerate(parameters):
+        values = weights[:, :-1] @ values + weights[:, -1:]
+        if number < len(hidden):
+            values = values.relu()
+    torch.nn.functional.mse_loss(values, targets).backward()
+    outputs = model.forward()
+    assert torch.allclose(outputs, values, atol=1e-6)
+    model.backward(mean_squared_error(outputs, targets)[1])
+    for ours, theirs in zip(model.gradients, parameters, strict=True):
+        assert torch.allclose(ours, theirs.grad, atol=1e-6)  # type: ignore[arg-type]
+
+
+def test_weights_start_as_in_pytorch() -> None:
+    model = _Perceptron(torch.rand(3, 5), 2, (400, 300), fan_in=9, seed=0)
+    for weights, fan_in in zip(model.weights, (9, 400, 300), strict=True):
+        bound = fan_in**-0.5
+        assert weights.abs().max() <= bound
+        assert weights.abs().max() > 0.95 * bound
+
+
+def rows(count: int = 200) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+    rng = np.random.default_rng(0)
+    inputs = rng.uniform(-1, 1, (count, 3)).astype(np.float32)
+    inputs[:, 1] = 7  # a column that never varies
+    return inputs, np.stack([inputs[:, 0] + inputs[:, 2], abs(inputs[:, 0])], axis=1).astype(np.float32)
+
+
+def test_adam_as_in_pytorch() -> None:
+    inputs, targets = rows()
+    fitted = fit(inputs, targets, mean_squared_error, 2, Training(50), seed=3)
+    varying = Scaling.of(inputs).apply(inputs)[:, [0, 2]]
+    start = _Perceptron(torch.from_numpy(varying.T.copy()), 2, (32, 32), 3, seed=3)
+    layers = []
+    for weights in start.weights:
+        layer = torch.nn.Linear(weights.shape[1] - 1, weights.shape[0])
+        layer.weight.data, layer.bias.data = weights[:, :-1].clone(), weights[:, -1].clone()
+        layers += [layer, torch.nn.ReLU()]
+    model = torch.nn.Sequential(*layers[:-1])
+    optimizer = torch.optim.Adam(model.parameters(), 1e-3)
+    best = float("inf")
+    for _ in range(51):
+        loss = torch.nn.functional.mse_loss(model(torch.from_numpy(varying)), torch.from_numpy(targets))
+        best = min(best, loss.item())
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+    assert fitted.loss == pytest.approx(best, rel=1e-3)
+    assert fitted.iterations == 51
+
+
+def test_fit_learns_and_ignores_columns_that_never_vary() -> None:
+    inputs, targets = rows()
+    fitted = fit(inputs, targets, mean_squared_error, 2, Training(2000), seed=0)
+    network = Folded.of(fitted.network)
+    assert np.abs(network(inputs.astype(float)) - targets).mean() < 0.02
+    changed = inputs.copy()
+    changed[:, 1] = -100
+    assert np.array_equal(network(changed.astype(float)), network(inputs.astype(float)))
+
+
+def test_the_best_weights_are_kept() -> None:
+    inputs, targets = rows()
+    wild = Training(300, learning_rate=0.3)
+    fitted = fit(inputs, targets, mean_squared_error, 2, wild, seed=0)
+    reached = ((Folded.of(fitted.network)(inputs.astype(float)) - targets) ** 2).mean()
+    assert reached == pytest.approx(fitted.loss, rel=1e-3)
+
+
+def test_early_stop() -> None:
+    inputs, targets = rows()
+    stopped = fit(inputs, targets, mean_squared_error, 2, Training(5000, Stop(100, 1e-3)), seed=0)
+    assert 100 < stopped.iterations < 2000
+    patient = fit(inputs, targets, mean_squared_error, 2, Training(300, Stop(100, -1.0)), seed=0)
+    assert patient.iterations == 301
+
+
+def test_the_same_seed_gives_the_same_weights() -> None:
+    inputs, targets = rows()
+    fits = [fit(inputs, targets, mean_squared_error, 2, Training(20), seed=s) for s in (0, 0, 1)]
+    one, two, other = ([w.tolist() for w, _ in fitted.network.layers] for fitted in fits)
+    assert one == two
+    assert one != other
+
+
+def test_fitting_leaves_the_process_as_it_was() -> None:
+    """Flushing tiny numbers to zero would change simulators and planners in the same process."""
+    threads = torch.get_num_threads()
+    inputs, targets = rows(20)
+    fit(inputs, targets, mean_squared_error, 2, Training(2), seed=0)
+    assert np.float64(5e-324) * 1 > 0
+    assert torch.get_num_threads() == threads
+
+
+def test_scaling_of_targets_keeps_constants_exact() -> None:
+    scaling = Scaling.of_targets(np.array([[2, 0.5], [2, 3.5]], np.float32))
+    assert scaling.scale.tolist() == [0, 3]
+    assert scaling.varying.tolist() == [1]
+    assert Scaling.of(np.array([[0.1], [0.4]], np.float32)).scale.tolist() == [1]  # at least 1

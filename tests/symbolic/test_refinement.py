@@ -1,0 +1,163 @@
+"""Refinement and bilevel search in the toy world, where only backtracking solves the task."""
+
+from collections import Counter
+from dataclasses import replace
+from time import monotonic
+
+import numpy as np
+import pytest
+
+from symbolic import planners
+from symbolic.bilevel import NoPlan, Plan, solve
+from symbolic.environment import Budget, problem_of, sample_tasks
+from symbolic.execution import execute
+from symbolic.grounding import GroundProblem, ground
+from symbolic.planners import AbstractPlan, Limit
+from symbolic.refinement import DeadEnd, RefinementRecord, Refiner
+from symbolic.skills import GroundSkill
+from symbolic.state import State
+from symbolic.structs import GroundAtom
+from tests.toy import DOOR_0, HAND_0, HAS_KEY, IS_OPEN, SEARCH, SKILLS, UNLOCK, Toy
+
+TASK = sample_tasks(Toy(), "train", 1, 0)[0]
+PLAN = (SEARCH.ground((HAND_0,)), UNLOCK.ground((DOOR_0, HAND_0)))
+EXPECTED: list[frozenset[GroundAtom]] = [
+    frozenset(),
+    frozenset({HAS_KEY(HAND_0)}),
+    frozenset({IS_OPEN(DOOR_0)}),
+]
+
+
+def refiner(seed: int, environment: Toy | None = None, samples: int = 10, total: int = 1000) -> Refiner:
+    steps = [GroundSkill(SKILLS[step.operator.name], step) for step in PLAN]
+    return Refiner(
+        environment or Toy(),
+        1,
+        steps,
+        EXPECTED,
+        samples,
+        total,
+        Limit(100),
+        np.random.default_rng(seed),
+        RefinementRecord(),
+    )
+
+
+def keys(seed: int, count: int) -> list[float]:
+    rng = np.random.default_rng(seed)
+    return [float(np.float32(rng.uniform())) for _ in range(count)]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_backtracking_draws_keys_until_one_fits(seed: int) -> None:
+    attempt = refiner(seed)
+    steps = next(attempt.refine(TASK.init), None)
+    drawn = keys(seed, 10)
+    fitting = [number for number, key in enumerate(drawn, 1) if key > 0.7]
+    if not fitting:
+        assert steps is None
+        assert attempt.record.samples == 20  # each of the ten keys is tried on the door once
+        return
+    assert steps is not None
+    assert [str(s.skill.operator) for s in steps] == ["search(hand0)", "unlock(door0, hand0)"]
+    assert steps[0].subgoal[0] == np.float32(drawn[fitting[0] - 1])
+    assert attempt.record.samples == 2 * fitting[0]
+    missing = DeadEnd(1, 2, "unlock(door0, hand0)", "missing IsOpen(door0) (stuck)")
+    assert attempt.record.dead_ends == ({missing: fitting[0] - 1} if fitting[0] > 1 else Counter())
+
+
+def test_refinements_go_on_after_the_first() -> None:
+    attempt = refiner(0, samples=50)
+    found = list(attempt.refine(TASK.init))
+    assert [s[0].subgoal[0] for s in found] == [k for k in map(np.float32, keys(0, 50)) if k > 0.7]
+
+
+def test_totals_end_a_refinement() -> None:
+    attempt = refiner(0, samples=50, total=7)
+    list(attempt.refine(TASK.init))
+    assert attempt.record.samples == 7
+
+
+def test_environment_failures_and_the_horizon_are_dead_ends() -> None:
+    broken = refiner(0, Toy(fails_below=2.0))
+    assert next(broken.refine(TASK.init), None) is None
+    assert broken.record.dead_ends == {DeadEnd(1, 1, "search(hand0)", "failure: the key broke"): 10}
+    short = refiner(0, Toy(horizon=1), samples=100)
+    assert next(short.refine(TASK.init), None) is None
+    assert {end.reason for end in short.record.dead_ends} >= {"horizon"}
+
+
+def test_a_skill_whose_precondition_fails_is_not_initiable() -> None:
+    attempt = replace(refiner(0), steps=refiner(0).steps[1:], expected=EXPECTED[1:])
+    assert next(attempt.refine(TASK.init), None) is None
+    assert {end.reason for end in attempt.record.dead_ends} == {"not initiable"}
+
+
+def test_a_skill_that_is_over_at_once_is_a_dead_end() -> None:
+    state: State = TASK.init.changed({"hand0": (0.5, 0.0)})  # has a key already
+    attempt = refiner(0)
+    assert next(attempt.refine(state), None) is None
+    assert {end.reason for end in attempt.record.dead_ends} == {"over before it began"}
+
+
+def run(environment: Toy, budget: Budget, seed: int = 1, **options: float) -> Plan | NoPlan:
+    return solve(environment, TASK, SKILLS, planners.load("astar"), budget, seed, **options)
+
+
+def test_a_refined_plan_is_executed() -> None:
+    environment = Toy()
+    plan = run(environment, Budget(3, 20))
+    assert isinstance(plan, Plan)
+    execution = execute(environment, TASK, plan)
+    assert execution.success
+    assert execution.steps == (0, 1)
+    assert plan.abstract.steps == PLAN
+
+
+def test_execution_says_what_went_wrong() -> None:
+    plan = run(Toy(), Budget(3, 20))
+    assert isinstance(plan, Plan)
+    assert "the key broke" in execute(Toy(fails_below=2.0), TASK, plan).fault
+    assert execute(Toy(horizon=1), TASK, plan).fault == "horizon"
+    shortened = replace(plan, steps=plan.steps[:1])
+    assert execute(Toy(), TASK, shortened).fault == "plan exhausted before the goal was reached"
+
+
+def test_reasons_for_no_plan() -> None:
+    failed = run(Toy(fails_below=2.0), Budget(3, 4))
+    assert isinstance(failed, NoPlan)
+    assert failed.reason == "not refined"
+    assert failed.effort.abstract_plans == 3  # search may be repeated: every longer plan is tried too
+    assert {end.plan for end in failed.dead_ends} == {1, 2, 3}
+    few = run(Toy(fails_below=2.0), Budget(3, 4, samples=5))
+    assert isinstance(few, NoPlan)
+    assert (few.reason, few.effort.samples) == ("sample limit", 5)
+    late = run(Toy(), Budget(3, 4), deadline=monotonic() - 1)
+    assert isinstance(late, NoPlan)
+    assert late.reason == "time limit"
+    crowded = run(Toy(), Budget(3, 4, nodes=1))
+    assert isinstance(crowded, NoPlan)
+    assert crowded.reason == "node limit"
+
+
+def test_an_unreachable_goal_is_named_without_search() -> None:
+    only_search = {"search": SKILLS["search"]}
+    outcome = solve(Toy(), TASK, only_search, planners.load("astar"), Budget(3, 4), 1)
+    assert isinstance(outcome, NoPlan)
+    assert outcome.reason == "unreachable"
+    assert "IsOpen(door0)" in outcome.text
+    assert outcome.effort.nodes_created == 0
+
+
+def test_expected_atoms_come_from_the_operators() -> None:
+    problem = ground_toy()
+    plan = AbstractPlan.follow(problem, PLAN)
+    assert list(plan.atoms) == EXPECTED
+
+
+def ground_toy() -> GroundProblem:
+    from symbolic.environment import domain_of
+
+    found = ground(domain_of(Toy(), (SEARCH, UNLOCK)), problem_of(Toy(), TASK))
+    assert isinstance(found, GroundProblem)
+    return found
