@@ -28,13 +28,13 @@ help:
 
 quickstart: .venv/.user
 	@echo "== 1/5 demonstrations: the oracle solves 1000 training tasks"
-	$(BIN)/bpns demos cover --count 1000 --seed 0 --out $(RUN)/demos.h5
+	$(BIN)/bpns demos cover --count 1000 --seed 0 --out $(RUN)/demos.h5 --overwrite
 	@echo "== 2/5 learning: operators, policies, samplers"
-	$(BIN)/bpns learn $(RUN)/demos.h5 --out $(RUN)/model --workers 2
+	$(BIN)/bpns learn $(RUN)/demos.h5 --out $(RUN)/model --workers 2 --overwrite
 	@echo "== 3/5 evaluation: 50 new tasks"
 	$(BIN)/bpns evaluate $(RUN)/model
 	@echo "== 4/5 PDDL: the learned domain and ten problems"
-	$(BIN)/bpns export $(RUN)/model --out $(RUN)/pddl
+	$(BIN)/bpns export $(RUN)/model --out $(RUN)/pddl --overwrite
 	$(BIN)/bpns plan $(RUN)/pddl/domain.pddl --problem $(RUN)/pddl/p03.pddl --planner pyperplan --plans 2
 	@echo "== 5/5 a refined plan, carried out in the simulator"
 	$(BIN)/bpns plan $(RUN)/model --task 2 --planner pyperplan --show $(RUN)/plan.gif
@@ -53,9 +53,9 @@ slow: .venv/.dev
 	$(BIN)/pytest -n 2 -m slow
 
 pddl-out: .venv/.user
-	$(BIN)/bpns demos cover --count 1000 --seed 0 --out runs/pddl-out/cover.h5
-	$(BIN)/bpns learn runs/pddl-out/cover.h5 --out runs/pddl-out/cover --workers 2
-	$(BIN)/bpns export runs/pddl-out/cover --out pddl_out/cover --problems 10
+	$(BIN)/bpns demos cover --count 1000 --seed 0 --out runs/pddl-out/cover.h5 --overwrite
+	$(BIN)/bpns learn runs/pddl-out/cover.h5 --out runs/pddl-out/cover --workers 2 --overwrite
+	$(BIN)/bpns export runs/pddl-out/cover --out pddl_out/cover --problems 10 --overwrite
 
 benchmark-cover: .venv/.user
 	$(BIN)/python benchmarks/cover.py --out runs/benchmark-cover

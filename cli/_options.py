@@ -28,6 +28,7 @@ timeout_option = click.option("--timeout", type=click.FloatRange(0, min_open=Tru
 oracle_option = click.option(
     "--oracle", metavar="ENVIRONMENT", help="Use this environment's own skills, no model."
 )
+overwrite_option = click.option("--overwrite", is_flag=True, help="Replace what is there.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 workers_option = click.option(
     "--workers",

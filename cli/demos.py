@@ -5,8 +5,9 @@ from pathlib import Path
 import click
 
 import envs
-from cli._options import progress_bar, workers_option
+from cli._options import overwrite_option, progress_bar, workers_option
 from learning.demonstrations import collect, write_demonstrations
+from symbolic.files import check_output
 
 
 @click.command()
@@ -15,10 +16,12 @@ from learning.demonstrations import collect, write_demonstrations
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), help="HDF5 file (default: ENVIRONMENT-SEED.h5).")
 @workers_option
-def command(environment: str, count: int, seed: int, out: Path | None, workers: int) -> None:
+@overwrite_option
+def command(environment: str, count: int, seed: int, out: Path | None, workers: int, overwrite: bool) -> None:
     """Solve train tasks of ENVIRONMENT with its oracle skills and keep the trajectories."""
     world = envs.load(environment)
     out = out or Path(f"{world.name}-{seed}.h5")
+    check_output(out, overwrite)
     with progress_bar("demonstrating") as progress:
         data = collect(world, count, seed, workers, progress)
     write_demonstrations(out, data, world)

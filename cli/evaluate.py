@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
+from math import isnan
 from pathlib import Path
 
 import click
@@ -93,7 +94,11 @@ def command(
     summary = summarize([result for _, result in results])
     if as_json:
         rows = [{"model": subject.label, **asdict(result)} for subject, result in results]
-        click.echo(json.dumps({"summary": asdict(summary), "tasks": rows}, indent=2))
+        means = {
+            key: None if isnan(mean) else {"mean": mean, "std": std}  # nan: no task to average over
+            for key, (mean, std) in asdict(summary).items()
+        }
+        click.echo(json.dumps({"summary": means, "tasks": rows}, indent=2, allow_nan=False))
     else:
         _print(results, summary)
 
@@ -117,7 +122,7 @@ def _print(results: list[tuple[Subject, Result]], summary: Summary) -> None:
         "samples",
         "time s",
     ):
-        table.add_column(column, justify="right")
+        table.add_column(column, justify="right", no_wrap=True)
     groups: dict[tuple[str, int], list[Result]] = {}
     for subject, result in results:
         groups.setdefault((subject.label, result.seed), []).append(result)
@@ -128,7 +133,7 @@ def _print(results: list[tuple[Subject, Result]], summary: Summary) -> None:
         cells = [f"{mean:.{d}f} ({std:.{d}f})" for (mean, std), d in _columns(summary)]
         table.add_section()
         table.add_row("mean (std)", "", str(len(results)), *cells)
-    Console(width=max(120, Console().width), highlight=False).print(table)
+    Console(width=max(160, Console().width), highlight=False).print(table)
     for subject, result in results:
         if not result.executed:
             click.echo(f"not solved: {subject.label}, seed {result.seed}, task {result.task}: {result.fault}")

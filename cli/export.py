@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from cli._options import load_subject, oracle_option
+from cli._options import load_subject, oracle_option, overwrite_option
 from symbolic.environment import domain_of, problem_of, sample_tasks
-from symbolic.files import write_text
+from symbolic.files import check_output, write_text
 from symbolic.pddl.write import write_domain, write_problem
 
 
@@ -16,7 +16,10 @@ from symbolic.pddl.write import write_domain, write_problem
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder.")
 @click.option("--problems", type=click.IntRange(0), default=10, show_default=True)
 @click.option("--seed", type=click.IntRange(0), help="Of the evaluation tasks (default: the model's).")
-def command(model: Path | None, oracle: str | None, out: Path, problems: int, seed: int | None) -> None:
+@overwrite_option
+def command(
+    model: Path | None, oracle: str | None, out: Path, problems: int, seed: int | None, overwrite: bool
+) -> None:
     """Write domain.pddl and p01.pddl, p02.pddl, ... (the first evaluation tasks) of MODEL."""
     subject = load_subject(model, oracle)
     environment = subject.environment
@@ -34,6 +37,8 @@ def command(model: Path | None, oracle: str | None, out: Path, problems: int, se
         problem = problem_of(environment, task, name)
         header = f"evaluation task {index} of seed {seed}, environment {environment.name}"
         texts[f"{name}.pddl"] = write_problem(problem, domain, header)
+    for name in texts:
+        check_output(out / name, overwrite)
     for name, text in texts.items():
         write_text(out / name, text)
     click.echo(f"domain.pddl and {problems} problems: {out}")

@@ -10,9 +10,9 @@ import click
 
 import envs
 from bpns import __version__
-from cli._options import progress_bar
+from cli._options import overwrite_option, progress_bar
 from learning.demonstrations import read_demonstrations, read_environment_name
-from learning.saved import entry_of, write_model
+from learning.saved import check_model_output, entry_of, write_model
 from symbolic.describe import operator_text
 
 
@@ -23,8 +23,15 @@ from symbolic.describe import operator_text
 @click.option("--seed", type=click.IntRange(0), help="(default: the demonstrations' own)")
 @click.option("--full", is_flag=True, help="The paper's training: all iterations, no early stop; minutes.")
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@overwrite_option
 def command(
-    demonstrations: Path, out: Path, environment: str | None, seed: int | None, full: bool, workers: int
+    demonstrations: Path,
+    out: Path,
+    environment: str | None,
+    seed: int | None,
+    full: bool,
+    workers: int,
+    overwrite: bool,
 ) -> None:
     """Learn operators, policies and samplers from DEMONSTRATIONS, and save them as a model folder."""
     from learning.skills import SkillConfig, learn_skills  # torch: slow to import
@@ -32,6 +39,7 @@ def command(
     world = envs.load(environment or read_environment_name(demonstrations))
     data = read_demonstrations(demonstrations, world)
     seed = data.seed if seed is None else seed
+    check_model_output(out, overwrite)
     start, start_cpu = time.perf_counter(), time.process_time()
     with progress_bar("training") as progress:
         learned = learn_skills(

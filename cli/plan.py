@@ -27,6 +27,7 @@ from symbolic import planners
 from symbolic.bilevel import NoPlan, Plan, solve
 from symbolic.environment import abstract, domain_of, sample_tasks
 from symbolic.execution import Execution, execute
+from symbolic.files import check_output
 from symbolic.grounding import Unreachable, ground
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.pddl.write import model_names
@@ -142,6 +143,7 @@ def _plan_task(
 ) -> None:
     if show is not None:
         animation_format(show)
+        check_output(show, overwrite=True)
     environment = subject.environment
     seed = subject.seed if seed is None else seed
     task = sample_tasks(environment, "test", number + 1, seed)[number]

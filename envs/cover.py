@@ -365,6 +365,11 @@ def draw(state: State, caption: str = "") -> Image:
             canvas.text(left + block[WIDTH] + 0.015, bottom + block[HEIGHT] / 2, label, 11, anchor="lm")
         else:
             canvas.text(block[X], -0.12, label, 11)
+    for _, target in _features(state, TARGET):  # outlined again, to be seen on the block that covers it
+        left = target[TARGET_X] - target[TARGET_WIDTH] / 2
+        canvas.rectangle(
+            left, 0, target[TARGET_WIDTH], BLOCK_HEIGHT, GRAY, opacity=0.0, edge=GRAY, thickness=1
+        )
     region_y = -0.08
     bars = [
         (b[X] + low, b[X] + high)

@@ -21,7 +21,7 @@ from learning.policies import Changing, LearnedPolicy
 from learning.samplers import LearnedSampler
 from symbolic.environment import Environment, domain_of
 from symbolic.errors import InputError
-from symbolic.files import read_json, write_json
+from symbolic.files import check_output, read_json, write_json
 from symbolic.pddl.read import read_domain
 from symbolic.pddl.write import model_names, write_domain
 from symbolic.skills import Skill
@@ -75,12 +75,12 @@ def write_model(
     run: Mapping[str, Any],
     header: str,
 ) -> None:
-    """Write a model folder in one piece; raise InputError rather than replace anything but a model.
+    """Write a model folder in one piece, in the place of one that may be there.
 
-    ``run`` goes to run.json as it is. The other files hold nothing that changes from run to run.
+    ``run`` goes to run.json as it is. The other files hold nothing that changes from run to run. Raises
+    InputError as ``check_model_output``.
     """
-    if folder.exists() and not is_model(folder) and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder} exists and is no model: give another --out, or move it away")
+    check_model_output(folder, overwrite=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
     temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
     try:
@@ -101,12 +101,26 @@ def write_model(
         write_json(temporary / "run.json", run)
         temporary.chmod(0o755)
         if folder.exists():
-            shutil.rmtree(folder)
+            folder.rename(temporary / "previous")
         temporary.rename(folder)
+        shutil.rmtree(folder / "previous", ignore_errors=True)
     except OSError as error:
         raise InputError(f"cannot write {folder}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def check_model_output(folder: Path, overwrite: bool) -> None:
+    """Raise InputError where a model cannot be written; a folder with anything but a model stays as it is."""
+    check_output(folder, overwrite)
+    if folder.exists():
+        found = sorted(p.name for p in folder.iterdir()) if folder.is_dir() else ["a file"]
+        others = [name for name in found if name not in FILES]
+        if others:
+            raise InputError(
+                f"{folder} holds more than a model ({', '.join(others[:3])}): "
+                "move that away, or give another --out"
+            )
 
 
 def entry_of(skill: Skill, segments: int, training: Mapping[Part, tuple[float, int]]) -> SkillEntry:
@@ -143,11 +157,6 @@ def _tensors(skill: Skill) -> dict[str, Array32]:
 
 
 # --------------------------------------------------------------------------------------------- load
-
-
-def is_model(folder: Path) -> bool:
-    """Say whether a folder holds a model, perhaps a broken one."""
-    return (folder / "skills.json").is_file() and (folder / "domain.pddl").is_file()
 
 
 def read_model_file(folder: Path) -> ModelFile:

@@ -10,6 +10,20 @@ from typing import Any
 from symbolic.errors import InputError
 
 
+def check_output(path: Path, overwrite: bool = False) -> None:
+    """Raise InputError where ``path`` exists (unless told to overwrite it) or could not be written.
+
+    To be called before long work, not after it.
+    """
+    if path.exists() and not overwrite:
+        raise InputError(f"{path} exists: give --overwrite to replace it, or another --out")
+    parent = path.parent
+    while not parent.exists():
+        parent = parent.parent
+    if not parent.is_dir() or not os.access(parent, os.W_OK):
+        raise InputError(f"cannot write {path}: {parent} is no folder that you may write to")
+
+
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary name beside ``path``; rename it to ``path`` on success, remove it on failure."""

@@ -54,11 +54,11 @@ def test_nothing_but_a_model_is_overwritten(learned: tuple[LearnedSkill, ...], t
     precious = tmp_path / "thesis"
     precious.mkdir()
     (precious / "chapter1.txt").write_text("words")
-    with pytest.raises(InputError, match="is no model"):
+    with pytest.raises(InputError, match=r"more than a model \(chapter1.txt\)"):
         save(learned, precious)
-    assert (precious / "chapter1.txt").read_text() == "words"
-    with pytest.raises(InputError, match="is no model"):
+    with pytest.raises(InputError, match="more than a model"):
         save(learned, precious / "chapter1.txt")
+    assert (precious / "chapter1.txt").read_text() == "words"
 
 
 def edit(path: Path, old: str, new: str) -> None:

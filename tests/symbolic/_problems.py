@@ -11,6 +11,7 @@ from typing import TypeAlias, TypeVar
 import pytest
 from hypothesis import strategies as st
 
+from symbolic.compile import CompiledProblem
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.structs import (
     OBJECT,
@@ -200,12 +201,12 @@ def _dice(rng: Random, negative: bool) -> tuple[Domain, Problem]:
             _chosen(rng, atoms, 1, 2),
             _chosen(rng, atoms, 0, 2),
         )
-        forbidden = _chosen(rng, atoms, 0, 1) - positive if negative else frozenset()
+        forbidden = _chosen(rng, atoms, 0, 2) - positive if negative else frozenset()
         operators.append(Operator(f"Act{i}", parameters, positive, add, delete, forbidden))
     domain = Domain("Dice", types, predicates, tuple(operators), constants)
     possible = ground_atoms(domain, Problem("Throw", objects, frozenset(), frozenset()))
     goal, forbidden_goal = _chosen(rng, possible, 1, 2), _chosen(rng, possible, 0, 1 if negative else 0)
-    return domain, Problem("Throw", objects, _chosen(rng, possible, 1, 4), goal, forbidden_goal)
+    return domain, Problem("Throw", objects, _chosen(rng, possible, 1, 5), goal, forbidden_goal)
 
 
 # -------------------------------------------------------------------------------------- plain searches
@@ -260,6 +261,11 @@ def distances(problem: Problem, graph: Graph) -> dict[AbstractState, int]:
             return found
         found |= dict.fromkeys(near, steps)
     raise AssertionError
+
+
+def encode(compiled: CompiledProblem, state: AbstractState) -> int:
+    """Return the mask that stands for an abstract state."""
+    return sum(1 << i for i, atom in enumerate(compiled.atoms) if atom in state)
 
 
 PlanKey: TypeAlias = tuple[str, ...]

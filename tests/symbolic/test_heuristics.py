@@ -1,0 +1,147 @@
+"""Heuristics against true distances, plain fixpoints and pyperplan, on every state of small random tasks."""
+
+from collections.abc import Sequence
+from math import inf
+
+import pytest
+from hypothesis import given, settings
+
+from symbolic.compile import CompiledProblem, compile_problem
+from symbolic.grounding import GroundProblem, ground
+from symbolic.heuristics import HEURISTICS, hadd, hff, lmcut
+from symbolic.structs import Domain, GroundAtom, GroundOperator, Problem
+from tests.symbolic._problems import (
+    COVER,
+    AbstractState,
+    Graph,
+    cover_problem,
+    distances,
+    encode,
+    relaxed_fixpoint,
+    searchable_tasks,
+    switches,
+)
+
+
+def compiled(domain: Domain, problem: Problem) -> CompiledProblem | None:
+    """Return a compiled problem, or nothing where the goal is out of reach."""
+    found = ground(domain, problem)
+    return compile_problem(found) if isinstance(found, GroundProblem) else None
+
+
+def plain_hmax(state: AbstractState, operators: Sequence[GroundOperator], goal: AbstractState) -> float:
+    """Cost of the goal's most expensive atom when nothing is deleted; by repetition until nothing changes."""
+    cost: dict[GroundAtom, float] = dict.fromkeys(state, 0)
+    while True:
+        before = dict(cost)
+        for operator in operators:
+            after = 1 + max((cost.get(a, inf) for a in operator.preconditions), default=0)
+            for atom in operator.add_effects:
+                cost[atom] = min(cost.get(atom, inf), after)
+        if cost == before:
+            return max((cost.get(a, inf) for a in goal), default=0)
+
+
+@settings(deadline=None, max_examples=200)
+@given(searchable_tasks())
+def test_lmcut_never_overestimates(task: tuple[Domain, Problem, Graph]) -> None:
+    domain, problem, graph = task
+    if masks := compiled(domain, problem):
+        evaluate = lmcut(masks)
+        steps = distances(problem, graph)
+        for state in graph:
+            assert evaluate(encode(masks, state)) <= steps.get(state, inf)
+
+
+@settings(deadline=None, max_examples=100)
+@given(searchable_tasks())
+def test_values_are_in_the_order_that_theory_demands(task: tuple[Domain, Problem, Graph]) -> None:
+    domain, problem, graph = task
+    if masks := compiled(domain, problem):
+        operators = [o.ground for o in masks.operators]
+        sums, plans, cuts = hadd(masks), hff(masks), lmcut(masks)
+        for state in graph:
+            mask = encode(masks, state)
+            hmax = plain_hmax(state, operators, problem.goal)
+            assert hmax <= cuts(mask)
+            assert hmax <= plans(mask) <= sums(mask)
+
+
+@pytest.mark.parametrize("name", HEURISTICS)
+@settings(deadline=None, max_examples=100)
+@given(searchable_tasks())
+def test_zero_at_goals_and_infinite_where_relaxation_finds_no_way(
+    name: str, task: tuple[Domain, Problem, Graph]
+) -> None:
+    domain, problem, graph = task
+    if masks := compiled(domain, problem):
+        evaluate = HEURISTICS[name](masks)
+        operators = [o.ground for o in masks.operators]
+        for state in graph:
+            value = evaluate(encode(masks, state))
+            reached, _ = relaxed_fixpoint(state, operators)
+            assert (value == 0) == (problem.goal <= state)
+            assert (value == inf) == (not problem.goal <= reached)
+
+
+def cover_values(size: int) -> dict[str, float]:
+    masks = compiled(COVER, cover_problem(size))
+    assert masks is not None
+    return {name: make(masks)(masks.init) for name, make in HEURISTICS.items()}
+
+
+def test_values_on_cover_are_those_found_by_hand() -> None:
+    # each block costs a pick and a place
+    assert cover_values(1) == {"lmcut": 2, "hadd": 2, "hff": 2}
+    assert cover_values(3) == {"lmcut": 6, "hadd": 6, "hff": 6}
+
+
+def test_shared_preconditions_count_twice_for_hadd_only() -> None:
+    moves = {"open": ("", "door"), "left": ("door", "lamp"), "right": ("door", "radio")}
+    masks = compiled(*switches(moves, init="", goal="lamp radio"))
+    assert masks is not None
+    assert {name: make(masks)(masks.init) for name, make in HEURISTICS.items()} == {
+        "lmcut": 3,
+        "hadd": 4,
+        "hff": 3,
+    }
+
+
+def test_atom_that_holds_is_free_even_if_the_way_deletes_it() -> None:
+    masks = compiled(*switches({"turn": ("key", "open key-")}, init="key", goal="open key"))
+    assert masks is not None
+    assert {make(masks)(masks.init) for make in HEURISTICS.values()} == {1}
+
+
+@settings(deadline=None, max_examples=50)
+@given(searchable_tasks(negative=False))
+def test_hadd_equals_that_of_pyperplan(task: tuple[Domain, Problem, Graph]) -> None:
+    hadd_of_pyperplan = pytest.importorskip("pyperplan.planner").HEURISTICS["hadd"]
+    from pyperplan.search.searchspace import make_root_node
+    from pyperplan.task import Operator, Task
+
+    domain, problem, graph = task
+    if masks := compiled(domain, problem):
+
+        def texts(atoms: AbstractState) -> frozenset[str]:
+            return frozenset(map(str, atoms))
+
+        steps = [o.ground for o in masks.operators]
+        facts = texts(problem.init | problem.goal).union(
+            *(texts(o.preconditions | o.add_effects | o.delete_effects) for o in steps)
+        )
+        theirs = hadd_of_pyperplan(
+            Task(
+                "task",
+                facts,
+                texts(problem.init),
+                texts(problem.goal),
+                [
+                    Operator(str(o), texts(o.preconditions), texts(o.add_effects), texts(o.delete_effects))
+                    for o in steps
+                ],
+            )
+        )
+        ours = hadd(masks)
+        for state in graph:
+            assert ours(encode(masks, state)) == theirs(make_root_node(texts(state)))
