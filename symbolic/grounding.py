@@ -105,6 +105,26 @@ def _bindings(
             yield from _bindings(operator, (), {**binding, free: obj}, relations, objects)
 
 
+def _without_forbidden(
+    operators: tuple[GroundOperator, ...], init: frozenset[GroundAtom]
+) -> tuple[tuple[GroundOperator, ...], frozenset[GroundAtom]]:
+    """Drop operators that a permanent atom forbids, and those that only the dropped ones made reachable.
+
+    Returns the others and the initial atoms that none of them deletes.
+    """
+    while True:
+        permanent = init.difference(*(o.delete_effects for o in operators))
+        allowed = [o for o in operators if not o.negative_preconditions & permanent]
+        if len(allowed) == len(operators):
+            return operators, permanent
+        reached, kept = set(init), []
+        while now := [o for o in allowed if o.preconditions <= reached]:
+            kept += now
+            reached.update(*(o.add_effects for o in now))
+            allowed = [o for o in allowed if o not in now]
+        operators = tuple(kept)
+
+
 def ground(domain: Domain, problem: Problem) -> GroundProblem | Unreachable:
     """Ground a problem: each newly reached atom is joined with those reached before.
 
@@ -149,10 +169,10 @@ def ground(domain: Domain, problem: Problem) -> GroundProblem | Unreachable:
                 rest = tuple(p for p in sort_atoms(operator.preconditions) if p is not precondition)
                 for binding in _bindings(operator, rest, start, relations, objects):
                     keep(operator, binding)
-    permanent = problem.init - {atom for o in found.values() for atom in o.delete_effects}
+    operators, permanent = _without_forbidden(tuple(found.values()), problem.init)
+    reached = set(problem.init).union(*(o.add_effects for o in operators))
     never_true, never_false = problem.goal - reached, problem.negative_goal & permanent
     if never_true or never_false:
         return Unreachable(tuple(sort_atoms(never_true)), tuple(sort_atoms(never_false)))
-    usable = (o for o in found.values() if not o.negative_preconditions & permanent)
-    order = sorted(usable, key=lambda g: (g.operator.name, [o.name for o in g.objects]))
+    order = sorted(operators, key=lambda g: (g.operator.name, [o.name for o in g.objects]))
     return GroundProblem(domain, problem, tuple(order))

@@ -17,6 +17,7 @@ from symbolic.pddl.vocabulary import (
     ACTION_KEYS,
     DOMAIN_SECTIONS,
     NAME,
+    NO_PREDICATES,
     PROBLEM_SECTIONS,
     REQUIREMENTS,
     UNSUPPORTED_FORMULAS,
@@ -250,6 +251,8 @@ class _Reader:
             if not isinstance(node, List) or not node.items:
                 self.fail(node, "expected a predicate such as (on ?x ?y)")
             name = self.name(node.items[0], "a predicate")
+            if name in NO_PREDICATES:
+                self.fail(node.items[0], f"'{name}' begins a formula, it cannot be a predicate: rename it")
             if name in self.predicates:
                 self.fail(node, f"a second predicate '{name}': rename one")
             parameters = self.parameters(node.items[1:])
@@ -318,7 +321,7 @@ class _Reader:
             if not isinstance(part, List):
                 self.fail(part, f"expected an atom in parentheses, found '{part.text}'")
             if part.head == "and" and positive:
-                stack += [(item, True) for item in part.items[1:]]
+                stack += [(item, True) for item in reversed(part.items[1:])]
             elif part.head == "not" and positive:
                 if len(part.items) != 2:
                     self.fail(part, "(not ...) takes one atom")

@@ -20,3 +20,4 @@ UNSUPPORTED_FORMULAS = frozenset(
     """or imply forall exists when = increase decrease assign scale-up scale-down preference oneof
     < > <= >=""".split()
 )
+NO_PREDICATES = UNSUPPORTED_FORMULAS | {"and", "not"}  # words that begin a formula

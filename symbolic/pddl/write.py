@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from itertools import groupby
 
 from symbolic.errors import InputError
-from symbolic.pddl.vocabulary import NAME
+from symbolic.pddl.vocabulary import NAME, NO_PREDICATES
 from symbolic.structs import (
     OBJECT,
     Atom,
@@ -40,6 +40,8 @@ def model_names(domain: Domain, problem: Problem | None = None) -> dict[str, str
             raise InputError(
                 f"{kind} '{name}' is no PDDL name (letters, digits, - and _, a letter first): rename it"
             )
+        if kind == "predicate" and low in NO_PREDICATES:
+            raise InputError(f"predicate '{name}' has the name of a word of PDDL: rename it")
         if kind in others:
             raise InputError(f"two {kind}s are called '{low}' in PDDL, which ignores case: rename one")
         if spelled.get(low, name) != name:
@@ -49,11 +51,17 @@ def model_names(domain: Domain, problem: Problem | None = None) -> dict[str, str
         spelled[low] = name
         others.add(kind)
     for title in [domain.name] + ([problem.name] if problem else []):
-        if not NAME.match(title.lower()):
+        low = title.lower()
+        if not NAME.match(low):
             raise InputError(
                 f"'{title}' is no PDDL name (letters, digits, - and _, a letter first): rename it"
             )
-        spelled.setdefault(title.lower(), title)
+        if spelled.setdefault(low, title) != title:
+            raise InputError(f"'{title}' and '{spelled[low]}' are both '{low}' in PDDL: rename one")
+    for operator in domain.operators:
+        if len({v.name.lower() for v in operator.parameters}) < len(operator.parameters):
+            names = ", ".join(v.name for v in operator.parameters)
+            raise InputError(f"{operator.name}: PDDL cannot tell its parameters {names} apart: rename one")
     return spelled
 
 
@@ -86,6 +94,8 @@ def write_problem(problem: Problem, domain: Domain, header: str = "") -> str:
     pairs = [(o.name.lower(), o.type) for o in problem.objects]
     lines = _comment(header, "")
     lines += [f"(define (problem {problem.name.lower()})", f"  (:domain {domain.name.lower()})"]
+    if problem.negative_goal:
+        lines.append(f"  (:requirements {' '.join(_requirements(domain, negative=True))})")
     lines += _section("objects", _typed(pairs) if domain.types else [name for name, _ in pairs])
     lines += _section("init", [_atom(a) for a in sort_atoms(problem.init)])
     lines += [f"  (:goal {_conjunction(goal, '    ')}))"]
@@ -103,11 +113,11 @@ def _section(name: str, items: list[str]) -> list[str]:
     return [f"  (:{name}", *(f"    {item}" for item in items[:-1]), f"    {items[-1]})"]
 
 
-def _requirements(domain: Domain) -> list[str]:
+def _requirements(domain: Domain, negative: bool = False) -> list[str]:
     found = [":strips"]
     if domain.types:
         found.append(":typing")
-    if any(o.negative_preconditions for o in domain.operators):
+    if negative or any(o.negative_preconditions for o in domain.operators):
         found.append(":negative-preconditions")
     return found
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from time import monotonic
 from typing import Protocol
@@ -86,5 +87,10 @@ def load(name: str) -> Planner:
     module, *options = name.split(":")
     if module not in names():
         raise InputError(f"unknown planner '{module}' (have: {', '.join(names())})")
-    planner: Planner = import_module(f"symbolic.planners.{module}").create(*options)
+    create = import_module(f"symbolic.planners.{module}").create
+    try:
+        signature(create).bind(*options)
+    except TypeError as error:
+        raise InputError(f"planner '{name}' has too many options after '{module}'") from error
+    planner: Planner = create(*options)
     return planner

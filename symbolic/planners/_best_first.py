@@ -38,6 +38,8 @@ class _PathSearch:
     counts. What keeps that from exploding are the estimates: no expanded state can be nearer to a goal
     than the first plan's length minus its own depth, and no state nearer than its best successor.
 
+    Paths into states from which no goal can be reached are dropped then; they would go in circles forever.
+
     Among paths of equal estimated length, those nearest to a goal go first until there is a plan, and
     random ones afterwards: a first plan soon, then plans that differ.
     """
@@ -54,6 +56,7 @@ class _PathSearch:
         self.successors: dict[int, list[tuple[int, int]]] = {}  # state -> (operator, next state)
         self.depth: dict[int, int] = {}  # expanded state -> least length of a path to it so far
         self.aside: list[Node] | None = []  # None once there is a plan
+        self.alive: set[int] = set()  # states from which a goal can be reached, as far as known
         self.serial = 0  # keeps the queue from ever comparing nodes
         self.push(Node(problem.init, 0, None, -1))
 
@@ -99,6 +102,26 @@ class _PathSearch:
             step = step.parent
         return rose
 
+    def can_end(self, state: int) -> bool:
+        """Say whether a goal can be reached from a state; where not, no estimate is high enough."""
+        came_from: dict[int, int | None] = {state: None}
+        queue = [(self.estimate(state), state)]
+        while queue:
+            _, now = heappop(queue)
+            if now in self.alive or self.problem.is_goal(now):
+                step: int | None = now
+                while step is not None:
+                    self.alive.add(step)
+                    step = came_from[step]
+                return True
+            for _, following in self.expand(now):
+                if following not in came_from and self.estimate(following) < inf:
+                    came_from[following] = now
+                    heappush(queue, (self.estimate(following), following))
+        for dead in came_from:
+            self.estimates[dead] = inf
+        return False
+
     def found_first(self, length: int) -> None:
         """Use the first plan's length, and queue all paths anew with those that were set aside."""
         nodes = [entry[-1] for entry in self.queue] + (self.aside or [])
@@ -123,8 +146,8 @@ class _PathSearch:
                 yield node.steps()
             elif self.aside is not None and self.depth.get(node.state, inf) <= node.length:
                 self.aside.append(node)
-            elif self.aside is None and self.sharpen(node):
-                self.requeue(node)
+            elif self.aside is None and (not self.can_end(node.state) or self.sharpen(node)):
+                self.requeue(node)  # unless it is dead
             else:
                 self.depth[node.state] = min(node.length, self.depth.get(node.state, node.length))
                 self.record.nodes_expanded += 1
