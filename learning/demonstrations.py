@@ -2,17 +2,15 @@
 
 import json
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from learning.parallel import parallel_map
 from symbolic import planners
 from symbolic.bilevel import NoPlan, solve
 from symbolic.environment import Environment, sample_tasks
@@ -70,18 +68,12 @@ def collect(
     tasks = list(enumerate(sample_tasks(environment, "train", count, seed)))
     work = partial(demonstrate, environment, seed)
     found, failures = [], []
-    with ExitStack() as stack:
-        if workers > 1:
-            pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
-            results = stack.enter_context(pool).map(work, tasks, chunksize=10)
+    for index, result in enumerate(parallel_map(work, tasks, workers, chunk=10)):
+        if isinstance(result, str):
+            failures.append((index, result))
         else:
-            results = map(work, tasks)
-        for index, result in enumerate(results):
-            if isinstance(result, str):
-                failures.append((index, result))
-            else:
-                found.append(result)
-            progress(index + 1, count)
+            found.append(result)
+        progress(index + 1, count)
     return Demonstrations(environment.name, seed, count, tuple(found), tuple(failures))
 
 

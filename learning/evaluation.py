@@ -1,14 +1,12 @@
 """Solving evaluation tasks and counting, as in the paper's tables. Source: spec, algorithm.md section 10."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 from statistics import fmean, pstdev
 from time import monotonic
 
+from learning.parallel import parallel_map
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import Budget, Environment, sample_tasks
 from symbolic.execution import execute
@@ -102,14 +100,9 @@ def evaluate(
         for index, task in enumerate(sample_tasks(solver.environment, "test", tasks, seed))
     ]
     results = []
-    with ExitStack() as stack:
-        run: Callable[..., Iterable[Result]] = map
-        if workers > 1:
-            pool = stack.enter_context(ProcessPoolExecutor(workers, mp_context=get_context("spawn")))
-            run = partial(pool.map, chunksize=5)
-        for result in run(partial(evaluate_task, solver), work):
-            results.append(result)
-            progress(len(results))
+    for result in parallel_map(partial(evaluate_task, solver), work, workers, chunk=5):
+        results.append(result)
+        progress(len(results))
     return results
 
 

@@ -1,17 +1,15 @@
 """Demonstrations -> skills: the whole of learning, step by step."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 
 from learning.demonstrations import Demonstrations
 from learning.networks import Array32, Network, Part, Scaling
 from learning.operators import OperatorData, learn_operators
+from learning.parallel import parallel_map
 from learning.policies import Changing, LearnedPolicy, changing_features, policy_examples
 from learning.samplers import LearnedSampler, discriminator_examples, generator_examples
 from learning.segmentation import segment
@@ -107,12 +105,10 @@ def learn_skills(
         for job in _jobs(number, operator, features, config, rng)
     ]
     fitted: dict[tuple[int, Part], tuple[Fitted, Scaling]] = {}
-    with _mapping(workers) as parallel_map:
-        for done, (job, result) in enumerate(
-            zip(jobs, parallel_map(partial(_train, seed), jobs), strict=True)
-        ):
-            fitted[job.operator, job.part] = result, job.scaling
-            progress(done + 1, len(jobs))
+    results = parallel_map(partial(_train, seed), jobs, workers)
+    for done, (job, result) in enumerate(zip(jobs, results, strict=True), 1):
+        fitted[job.operator, job.part] = result, job.scaling
+        progress(done, len(jobs))
     box = environment.action_low, environment.action_high
     return tuple(
         _assemble(
@@ -120,18 +116,6 @@ def learn_skills(
         )
         for number, (operator, features) in enumerate(zip(operators, changing, strict=True))
     )
-
-
-@contextmanager
-def _mapping(
-    workers: int,
-) -> Iterator[Callable[[Callable[[_Job], Fitted], Sequence[_Job]], Iterator[Fitted]]]:
-    """Give a map in this process, or one that spreads over worker processes; both keep the order."""
-    if workers <= 1:
-        yield map
-    else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            yield pool.map
 
 
 def _jobs(
@@ -156,6 +140,8 @@ def _jobs(
 def _train(seed: int, job: _Job) -> Fitted:
     """Fit the columns of the targets that vary; the others are constants that need no network."""
     varying = job.scaling.varying
+    if not len(varying):
+        return Fitted(_constant(job), 0.0, 0)
     targets = ((job.targets - job.scaling.shift)[:, varying] / job.scaling.scale[varying]).astype(np.float32)
     heads = 2 if job.part == "generator" else 1
     fitted = fit(job.inputs, targets, job.loss, heads * len(varying), job.training, seed)
@@ -167,6 +153,14 @@ def _train(seed: int, job: _Job) -> Fitted:
     full_weights[rows], full_biases[rows] = weights, biases
     layers = (*fitted.network.layers[:-1], (full_weights, full_biases))
     return Fitted(Network(fitted.network.inputs, layers), fitted.loss, fitted.iterations)
+
+
+def _constant(job: _Job) -> Network:
+    """Return a network for targets that never vary: scaled, they are zero."""
+    columns, total = job.inputs.shape[1], job.targets.shape[1]
+    outputs = 2 * total if job.part == "generator" else total
+    layer = np.zeros((outputs, columns), np.float32), np.zeros(outputs, np.float32)
+    return Network(Scaling.of(job.inputs), (layer,))
 
 
 def _assemble(

@@ -402,6 +402,25 @@ def test_written_domain_is_lower_case_with_everything_spelled_out() -> None:
     )
 
 
+def test_written_problem_is_lower_case_with_everything_spelled_out() -> None:
+    block, robby = Object("Block-A", COVER.types[0]), Object("Robby", COVER.types[2])
+    _, holding, hand_empty = COVER.predicates
+    goal, negative_goal = frozenset({holding(block, robby)}), frozenset({hand_empty()})
+    problem = Problem("Task_1", (block, robby), frozenset({hand_empty()}), goal, negative_goal)
+    text = write_problem(problem, COVER)
+    assert text.splitlines()[:2] == ["(define (problem task_1)", "  (:domain cover)"]
+    assert text.endswith(
+        "  (:objects\n"
+        "    block-a - block\n"
+        "    robby - gripper)\n"
+        "  (:init\n"
+        "    (handempty))\n"
+        "  (:goal (and\n"
+        "    (holding block-a robby)\n"
+        "    (not (handempty)))))\n"
+    )
+
+
 def test_header_and_comments_are_written_and_skipped_when_read() -> None:
     problem = cover_problem(1)
     text = write_domain(COVER, "learned (by hand\nin two lines)", {"Place": "95 % of 40)\n\nsegments"})
