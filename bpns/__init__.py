@@ -14,4 +14,5 @@ def main() -> None:
     """Run the command line."""
     from cli.main import main as run
 
+    sys.path.append(str(Path.cwd()))  # for environments of the user's own, given as module:attribute
     run()

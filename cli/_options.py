@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 
 import click
@@ -15,6 +16,9 @@ from learning.saved import read_model, read_model_file
 from symbolic.environment import Budget, Environment
 from symbolic.skills import Skill
 
+MAX_SEED = 2**31 - 1
+NO_PLAN, NOT_REFINED = 11, 12  # exit codes
+
 planner_option = click.option(
     "--planner", default="astar", show_default=True, help="See 'bpns planners'; options after colons."
 )
@@ -24,7 +28,15 @@ plans_option = click.option(
 samples_option = click.option(
     "--samples", type=click.IntRange(1), help="Subgoals to try per step (default: the environment's)."
 )
-timeout_option = click.option("--timeout", type=click.FloatRange(0, min_open=True), help="Seconds per task.")
+
+
+def _seconds(_: click.Context, __: click.Parameter, value: float | None) -> float | None:
+    if value is not None and not 0 < value < inf:
+        raise click.BadParameter("give a positive number of seconds")
+    return value
+
+
+timeout_option = click.option("--timeout", type=float, callback=_seconds, help="Seconds per task.")
 oracle_option = click.option(
     "--oracle", metavar="ENVIRONMENT", help="Use this environment's own skills, no model."
 )
@@ -58,7 +70,7 @@ def load_subject(model: Path | None, oracle: str | None) -> Subject:
         environment = envs.load(oracle)
         skills = {skill.operator.name: skill for skill in environment.oracle_skills}
         return Subject(f"oracle:{environment.name}", environment, skills, 0)
-    environment = envs.load(read_model_file(model).environment)
+    environment = envs.load(read_model_file(model).load)
     saved = read_model(model, environment)
     return Subject(model.name or str(model), environment, saved.skills, saved.seed)
 

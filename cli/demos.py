@@ -1,19 +1,22 @@
 """Make demonstrations with an environment's oracle skills."""
 
+import sys
 from pathlib import Path
 
 import click
 
 import envs
-from cli._options import overwrite_option, progress_bar, workers_option
+from cli._options import MAX_SEED, NOT_REFINED, overwrite_option, progress_bar, workers_option
 from learning.demonstrations import collect, write_demonstrations
+from symbolic.environment import domain_of
 from symbolic.files import check_output
+from symbolic.pddl.write import model_names
 
 
 @click.command()
 @click.argument("environment")
 @click.option("--count", type=click.IntRange(1), default=1000, show_default=True, help="Train tasks.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True)
 @click.option("--out", type=click.Path(path_type=Path), help="HDF5 file (default: ENVIRONMENT-SEED.h5).")
 @workers_option
 @overwrite_option
@@ -22,9 +25,13 @@ def command(environment: str, count: int, seed: int, out: Path | None, workers: 
     world = envs.load(environment)
     out = out or Path(f"{world.name}-{seed}.h5")
     check_output(out, overwrite)
+    model_names(domain_of(world, (skill.operator for skill in world.oracle_skills)))  # fit for PDDL later
     with progress_bar("demonstrating") as progress:
         data = collect(world, count, seed, workers, progress)
-    write_demonstrations(out, data, world)
+    if not data.demonstrations:
+        click.echo(f"no demonstration of {count} tasks, nothing written; the first: {data.failures[0][1]}")
+        sys.exit(NOT_REFINED)
+    write_demonstrations(out, data, world, environment)
     actions = sum(len(d.trajectory.actions) for d in data.demonstrations)
     click.echo(f"{len(data.demonstrations)} demonstrations of {count} tasks, {actions} actions: {out}")
     for index, reason in data.failures:

@@ -13,7 +13,6 @@ from rich.console import Console
 from rich.table import Table
 
 from cli._options import (
-    Subject,
     budget_of,
     json_option,
     load_subject,
@@ -39,7 +38,7 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
         raise click.BadParameter("give numbers and ranges such as 0-4 or 0,2,5-7") from error
     if not seeds:
         raise click.BadParameter("no seed in this range")
-    return seeds
+    return sorted(set(seeds))
 
 
 @click.command()
@@ -67,8 +66,8 @@ def command(
 ) -> None:
     """Evaluate MODELS of one environment on its evaluation tasks: planned, refined, executed.
 
-    Means over seeds with the population standard deviation. Times are wall clock per solved task: for
-    figures that you report, use one worker, which is the default.
+    Means over models and seeds with the population standard deviation. Times are wall clock per solved
+    task: for figures that you report, use one worker, which is the default.
     """
     if bool(models) == (oracle is not None):
         raise click.UsageError("give MODEL folders or --oracle ENVIRONMENT (one of them)")
@@ -76,10 +75,11 @@ def command(
     if len({subject.environment.name for subject in subjects}) > 1:
         raise click.UsageError("the models are of several environments: evaluate them one by one")
     work = [(subject, seeds or [subject.seed]) for subject in subjects]
-    results: list[tuple[Subject, Result]] = []
+    labels = [str(model) for model in models] or [subjects[0].label]
+    results: list[tuple[int, Result]] = []  # with the number of the subject
     total = tasks * sum(len(own) for _, own in work)
     with progress_bar("evaluating") as progress:
-        for subject, own in work:
+        for index, (subject, own) in enumerate(work):
             environment = subject.environment
             solver = Solver(
                 environment,
@@ -90,24 +90,32 @@ def command(
             )
             note = partial(_note, progress, len(results), total)
             found = evaluate(solver, own, tasks, workers, note)
-            results += [(subject, result) for result in found]
-    summary = summarize([result for _, result in results])
+            results += [(index, result) for result in found]
+    summary = summarize(_runs(results))
     if as_json:
-        rows = [{"model": subject.label, **asdict(result)} for subject, result in results]
+        rows = [{"model": labels[index], **asdict(result)} for index, result in results]
         means = {
             key: None if isnan(mean) else {"mean": mean, "std": std}  # nan: no task to average over
             for key, (mean, std) in asdict(summary).items()
         }
         click.echo(json.dumps({"summary": means, "tasks": rows}, indent=2, allow_nan=False))
     else:
-        _print(results, summary)
+        _print(results, labels, summary)
 
 
 def _note(progress: Callable[[int, int], None], before: int, total: int, done: int) -> None:
     progress(before + done, total)
 
 
-def _print(results: list[tuple[Subject, Result]], summary: Summary) -> None:
+def _runs(results: list[tuple[int, Result]]) -> dict[tuple[int, int], list[Result]]:
+    """Group results by model (its number on the command line) and seed."""
+    runs: dict[tuple[int, int], list[Result]] = {}
+    for index, result in results:
+        runs.setdefault((index, result.seed), []).append(result)
+    return runs
+
+
+def _print(results: list[tuple[int, Result]], labels: list[str], summary: Summary) -> None:
     """Print one row per model and seed, their mean, and why tasks were not solved."""
     table = Table(box=SIMPLE_HEAD)
     table.add_column("model", no_wrap=True)
@@ -123,22 +131,25 @@ def _print(results: list[tuple[Subject, Result]], summary: Summary) -> None:
         "time s",
     ):
         table.add_column(column, justify="right", no_wrap=True)
-    groups: dict[tuple[str, int], list[Result]] = {}
-    for subject, result in results:
-        groups.setdefault((subject.label, result.seed), []).append(result)
-    for (label, seed), rows in groups.items():
-        one = summarize(rows)
-        table.add_row(label, str(seed), str(len(rows)), *(f"{mean:.{d}f}" for (mean, _), d in _columns(one)))
-    if len(groups) > 1:
-        cells = [f"{mean:.{d}f} ({std:.{d}f})" for (mean, std), d in _columns(summary)]
+    runs = _runs(results)
+    for (index, seed), rows in runs.items():
+        cells = [_number(mean, d) for (mean, _), d in _columns(summarize({0: rows}))]
+        table.add_row(labels[index], str(seed), str(len(rows)), *cells)
+    if len(runs) > 1:
+        cells = [f"{_number(mean, d)} ({_number(std, d)})" for (mean, std), d in _columns(summary)]
         table.add_section()
         table.add_row("mean (std)", "", str(len(results)), *cells)
     Console(width=max(160, Console().width), highlight=False).print(table)
-    for subject, result in results:
+    for index, result in results:
         if not result.executed:
-            click.echo(f"not solved: {subject.label}, seed {result.seed}, task {result.task}: {result.fault}")
+            click.echo(f"not solved: {labels[index]}, seed {result.seed}, task {result.task}: {result.fault}")
             for end, count in result.dead_ends[:3]:
                 click.echo(f"  {count} x plan {end.plan}, step {end.step} {end.operator}: {end.reason}")
+
+
+def _number(value: float, decimals: int) -> str:
+    """Write a number; a dash where there was no task to average over."""
+    return "-" if isnan(value) else f"{value:.{decimals}f}"
 
 
 def _columns(summary: Summary) -> list[tuple[tuple[float, float], int]]:

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import click
 
-from cli._options import load_subject, oracle_option, overwrite_option
+from cli._options import MAX_SEED, load_subject, oracle_option, overwrite_option
 from symbolic.environment import domain_of, problem_of, sample_tasks
+from symbolic.errors import InputError
 from symbolic.files import check_output, write_text
 from symbolic.pddl.write import write_domain, write_problem
 
@@ -15,7 +16,9 @@ from symbolic.pddl.write import write_domain, write_problem
 @oracle_option
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder.")
 @click.option("--problems", type=click.IntRange(0), default=10, show_default=True)
-@click.option("--seed", type=click.IntRange(0), help="Of the evaluation tasks (default: the model's).")
+@click.option(
+    "--seed", type=click.IntRange(0, MAX_SEED), help="Of the evaluation tasks (default: the model's)."
+)
 @overwrite_option
 def command(
     model: Path | None, oracle: str | None, out: Path, problems: int, seed: int | None, overwrite: bool
@@ -37,6 +40,10 @@ def command(
         problem = problem_of(environment, task, name)
         header = f"evaluation task {index} of seed {seed}, environment {environment.name}"
         texts[f"{name}.pddl"] = write_problem(problem, domain, header)
+    if (out / "skills.json").exists():
+        raise InputError(
+            f"{out} is a model folder, and its domain.pddl is the model's own: give another --out"
+        )
     for name in texts:
         check_output(out / name, overwrite)
     for name, text in texts.items():

@@ -1,8 +1,10 @@
 """Learn skills from demonstrations."""
 
 import platform
+import shlex
 import sys
 import time
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
@@ -10,17 +12,19 @@ import click
 
 import envs
 from bpns import __version__
-from cli._options import overwrite_option, progress_bar
+from cli._options import MAX_SEED, overwrite_option, progress_bar
 from learning.demonstrations import read_demonstrations, read_environment_name
 from learning.saved import check_model_output, entry_of, write_model
 from symbolic.describe import operator_text
+from symbolic.environment import domain_of
+from symbolic.pddl.write import model_names
 
 
 @click.command()
 @click.argument("demonstrations", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Model folder.")
 @click.option("--environment", help="Name or MODULE:ATTRIBUTE (default: the one named in the file).")
-@click.option("--seed", type=click.IntRange(0), help="(default: the demonstrations' own)")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), help="(default: the demonstrations' own)")
 @click.option("--full", is_flag=True, help="The paper's training: all iterations, no early stop; minutes.")
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @overwrite_option
@@ -34,18 +38,21 @@ def command(
     overwrite: bool,
 ) -> None:
     """Learn operators, policies and samplers from DEMONSTRATIONS, and save them as a model folder."""
-    from learning.skills import SkillConfig, learn_skills  # torch: slow to import
-
-    world = envs.load(environment or read_environment_name(demonstrations))
+    load = environment or read_environment_name(demonstrations)
+    world = envs.load(load)
     data = read_demonstrations(demonstrations, world)
     seed = data.seed if seed is None else seed
     check_model_output(out, overwrite)
+    model_names(domain_of(world, ()))  # before minutes of training: will this be fit for PDDL?
+    from learning.skills import SkillConfig, learn_skills  # torch: slow to import
+
+    config = SkillConfig.full() if full else SkillConfig()
     start, start_cpu = time.perf_counter(), time.process_time()
     with progress_bar("training") as progress:
         learned = learn_skills(
             world,
             data,
-            SkillConfig.full() if full else SkillConfig(),
+            config,
             seed,
             workers,
             progress,
@@ -58,18 +65,19 @@ def command(
         "operators' names and the types of their parameters."
     )
     run = {
-        "command": " ".join(["bpns", *sys.argv[1:]]),
+        "command": shlex.join(["bpns", *sys.argv[1:]]),
         "bpns": __version__,
         "python": platform.python_version(),
         **{package: version(package) for package in ("numpy", "torch", "safetensors", "h5py")},
-        "preset": "full" if full else "default",
+        "settings": asdict(config),
         "seed": seed,
         "demonstrations": {"seed": data.seed, "asked": data.asked, "given": count},
         "seconds": round(seconds, 3),
         "cpu_seconds": round(cpu, 3) if workers == 1 else None,
     }
-    skills = [(one.skill, entry_of(one.skill, one.segments, one.fits)) for one in learned]
-    write_model(out, world, seed, skills, run, header)
+    skills = [(one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in learned]
+    write_model(out, world, load, seed, skills, run, header)
     for one in learned:
-        click.echo(f"{operator_text(one.skill.operator)}\n  (from {one.segments} segments)\n")
+        support = f"(from {one.demonstrations} demonstrations, {one.segments} segments)"
+        click.echo(f"{operator_text(one.skill.operator)}\n  {support}\n")
     click.echo(f"learned {len(learned)} skills in {seconds:.1f} s: {out}")

@@ -44,7 +44,7 @@ def program() -> None:
     """Learn skills from demonstrations, export them as PDDL, and plan with any planner.
 
     Exit codes: 0 done, 1 differences found (replay), 2 wrong usage, 11 no plan exists, 12 plans exist but
-    none was refined, 36 bad input, 37 unsupported PDDL.
+    none was refined within the limits, 36 bad input, 37 unsupported PDDL.
     """
 
 
@@ -58,4 +58,7 @@ def main() -> None:
         sys.exit(UNSUPPORTED if isinstance(error, Unsupported) else BAD_INPUT)
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone: say nothing more
-        sys.exit(1)
+        sys.exit(141)
+    except OSError as error:
+        print(f"error: {error.strerror or error}: {error.filename}", file=sys.stderr)
+        sys.exit(BAD_INPUT)

@@ -12,6 +12,9 @@ import click
 import numpy as np
 
 from cli._options import (
+    MAX_SEED,
+    NO_PLAN,
+    NOT_REFINED,
     Subject,
     budget_of,
     json_option,
@@ -35,7 +38,7 @@ from symbolic.planners import AbstractPlan, Limit, SearchRecord
 from symbolic.refinement import DeadEnd
 from symbolic.structs import Domain, sort_atoms
 
-NO_PLAN, NOT_REFINED = 11, 12
+MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
 
 
 @click.command()
@@ -43,7 +46,7 @@ NO_PLAN, NOT_REFINED = 11, 12
 @oracle_option
 @click.option("--task", type=click.IntRange(0), help="Number of the evaluation task (default: 0).")
 @click.option("--problem", type=click.Path(path_type=Path), help="A PDDL problem: abstract plans only.")
-@click.option("--seed", type=click.IntRange(0), help="Of tasks and planner (default: the model's).")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), help="Of tasks and planner (default: the model's).")
 @planner_option
 @plans_option
 @samples_option
@@ -66,7 +69,7 @@ def command(
     """Plan with MODEL (a model folder, or with --problem also a domain.pddl).
 
     With --task the plan is refined in the simulator and carried out. With --problem up to --plans abstract
-    plans (default 1) are printed. Exits with 11 if no plan exists, 12 if plans exist but none was refined.
+    plans (default 1) are printed. Exits with 11 if no plan exists, 12 if none was refined within the limits.
     """
     if problem is not None:
         if task is not None or show is not None or samples is not None:
@@ -96,35 +99,30 @@ def _plan_problem(
     """Print abstract plans in the format of the planning competitions."""
     problem = read_problem(path, domain, model_names(domain))
     chosen = planners.load(planner)
-    grounded = ground(domain, problem)
-    if isinstance(grounded, Unreachable):
-        click.echo(str(grounded))
-        sys.exit(NO_PLAN)
-    deadline = None if timeout is None else time.monotonic() + timeout
+    limit = Limit(MAX_NODES, None if timeout is None else time.monotonic() + timeout)
     record = SearchRecord()
-    stream: Iterator[AbstractPlan] = chosen.plans(
-        grounded, np.random.default_rng(seed), Limit(10_000_000, deadline), record
-    )
-    found = [[_call(step) for step in plan.steps] for plan in islice(stream, plans)]
+    grounded = ground(domain, problem)
+    stream: Iterator[AbstractPlan] = iter(())
+    reason = "no plan exists: the whole state space was searched"
+    if isinstance(grounded, Unreachable):
+        reason = str(grounded)
+    else:
+        stream = chosen.plans(grounded, np.random.default_rng(seed), limit, record)
+    found = [[step.call for step in plan.steps] for plan in islice(stream, plans)]
+    if record.stopped_by:
+        reason = f"stopped by the {record.stopped_by}"
     if as_json:
-        click.echo(
-            json.dumps({"planner": chosen.name, "plans": found, "stopped_by": record.stopped_by}, indent=2)
-        )
+        ended = reason if len(found) < plans else ""
+        click.echo(json.dumps({"planner": chosen.name, "plans": found, "ended": ended}, indent=2))
     else:
         for number, steps in enumerate(found, 1):
             click.echo(f"; plan {number}, {len(steps)} steps, {chosen.name}")
             for step in steps:
                 click.echo(step)
-        if record.stopped_by:
-            click.echo(f"; stopped by the {record.stopped_by}")
-        elif not found:
-            click.echo("no plan exists: the whole state space was searched")
+        if record.stopped_by or not found:
+            click.echo(reason)
     if not found:
         sys.exit(NOT_REFINED if record.stopped_by else NO_PLAN)
-
-
-def _call(step: Any) -> str:
-    return f"({' '.join([step.operator.name, *(o.name for o in step.objects)])})".lower()
 
 
 # ------------------------------------------------------------------------------------------- tasks
@@ -180,8 +178,6 @@ def _print_outcome(outcome: Plan | NoPlan, execution: Execution | None) -> None:
             click.echo(f"  {number}. {step.skill.operator}  ({len(step.trajectory.actions)} actions)")
     else:
         click.echo(outcome.text)
-    for end, count in _worst(outcome):
-        click.echo(f"  dead end, {count} x: plan {end.plan}, step {end.step} {end.operator}: {end.reason}")
     click.echo(f"planned:  {_yes(effort.abstract_plans > 0)} ({effort.abstract_plans} abstract plans tried)")
     click.echo(f"refined:  {_yes(isinstance(outcome, Plan))} ({effort.samples} samples)")
     executed = execution is not None and execution.success
@@ -189,6 +185,11 @@ def _print_outcome(outcome: Plan | NoPlan, execution: Execution | None) -> None:
     click.echo(f"executed: {_yes(executed)}{fault}")
     parts = ", ".join(f"{part} {seconds * 1000:.1f} ms" for part, seconds in effort.seconds.items())
     click.echo(f"nodes:    {effort.nodes_created} created, {effort.nodes_expanded} expanded; {parts}")
+    worst = _worst(outcome)
+    if worst:
+        click.echo("dead ends on the way, the most frequent (stuck: the state no longer changed):")
+    for end, count in worst:
+        click.echo(f"  {count} x plan {end.plan}, step {end.step} {end.operator}: {end.reason}")
 
 
 def _worst(outcome: Plan | NoPlan) -> list[tuple[DeadEnd, int]]:

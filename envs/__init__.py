@@ -16,17 +16,22 @@ def names() -> list[str]:
 def load(name: str) -> Environment:
     """Return an environment: a shipped one by name, a user's own as ``module:attribute``.
 
-    The attribute may be an environment or something that returns one when called without arguments.
+    The attribute is an environment, or a class that needs no arguments.
     Raises InputError where there is none of that name.
     """
-    if ":" not in name and name not in names():
-        raise InputError(f"unknown environment '{name}' (have: {', '.join(names())}, or MODULE:ATTRIBUTE)")
-    module, _, attribute = name.partition(":") if ":" in name else (f"envs.{name}", "", "ENVIRONMENT")
+    if ":" not in name:
+        if name not in names():
+            have = ", ".join(names())
+            raise InputError(f"unknown environment '{name}' (have: {have}, or MODULE:ATTRIBUTE)")
+        shipped: Environment = import_module(f"envs.{name}").ENVIRONMENT
+        return shipped
+    module, _, attribute = name.partition(":")
     try:
         found = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
-        raise InputError(f"cannot load environment '{name}': {error}") from error
-    environment: Environment = (
-        found if hasattr(found, "simulate") and not isinstance(found, type) else found()
-    )
+        environment: Environment = found() if isinstance(found, type) else found
+    except Exception as error:  # whatever a stranger's module does at import
+        raise InputError(f"cannot load environment '{name}': {type(error).__name__}: {error}") from error
+    missing = [a for a in dir(Environment) if not a.startswith("_") and not hasattr(environment, a)]
+    if missing:
+        raise InputError(f"'{name}' is no environment: it has no {', '.join(missing)}")
     return environment

@@ -11,6 +11,7 @@ from symbolic.files import replacing
 from symbolic.state import Features, State
 
 FRAMES_PER_ACTION = 8
+MAX_FRAMES = 800  # long trajectories get fewer frames between their states
 FRAME_MILLISECONDS = 50
 PAUSE_MILLISECONDS = 1500  # on the last frame
 FORMATS = {".gif": "GIF", ".webp": "WEBP", ".png": "PNG"}
@@ -28,20 +29,28 @@ def write_animation(
 ) -> None:
     """Write a GIF, WebP or animated PNG; ``captions`` has one text for each state."""
     kind = animation_format(path)
+    palette: Image | None = None
     frames: list[Image] = []
     durations: list[int] = []
+
+    def add(state: State, caption: str) -> None:
+        """Draw a frame; a GIF's are kept in few colors, a third of the memory."""
+        nonlocal palette
+        frame = environment.draw(state, caption)
+        if kind == "GIF":
+            palette = palette or frame.quantize(128)
+            frame = frame.quantize(palette=palette, dither=Dither.NONE)
+        frames.append(frame)
+
+    blends = max(1, min(FRAMES_PER_ACTION, MAX_FRAMES // len(states)))
     for number, state in enumerate(states):
-        frames.append(environment.draw(state, captions[number]))
+        add(state, captions[number])
         durations.append(FRAME_MILLISECONDS * 4)  # a moment at every real state
         if number + 1 < len(states):
-            for step in range(1, FRAMES_PER_ACTION):
-                between = _between(state, states[number + 1], step / FRAMES_PER_ACTION)
-                frames.append(environment.draw(between, captions[number]))
+            for step in range(1, blends):
+                add(_between(state, states[number + 1], step / blends), captions[number])
                 durations.append(FRAME_MILLISECONDS)
     durations[-1] = PAUSE_MILLISECONDS
-    if kind == "GIF":
-        palette = frames[0].quantize(128)
-        frames = [frame.quantize(palette=palette, dither=Dither.NONE) for frame in frames]
     with replacing(path) as temporary:
         frames[0].save(temporary, kind, save_all=True, append_images=frames[1:], duration=durations, loop=0)
 

@@ -1,7 +1,8 @@
 """Demonstrations: made with oracle skills, kept in HDF5 files that explain themselves."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -36,7 +37,7 @@ class Demonstration:
 class Demonstrations:
     """What one run of ``collect`` gave; ``failures`` says for each task without demonstration why."""
 
-    environment: str
+    environment: str  # its name
     seed: int
     asked: int
     demonstrations: tuple[Demonstration, ...]
@@ -93,12 +94,16 @@ def symbols(environment: Environment) -> dict[str, Any]:
     return {"types": types, "predicates": predicates}
 
 
-def write_demonstrations(path: Path, data: Demonstrations, environment: Environment) -> None:
-    """Write demonstrations; the same ones give the same bytes."""
+def write_demonstrations(path: Path, data: Demonstrations, environment: Environment, load: str = "") -> None:
+    """Write demonstrations; the same ones give the same bytes.
+
+    ``load`` is how the environment is asked for where that is not its name: ``module:attribute``.
+    """
     with replacing(path) as temporary, h5py.File(temporary, "w", libver="latest") as file:
         header = {
             "format": FORMAT,
             "environment": data.environment,
+            "load": load or data.environment,
             "seed": data.seed,
             "asked": data.asked,
             "failures": data.failures,
@@ -124,14 +129,14 @@ def write_demonstrations(path: Path, data: Demonstrations, environment: Environm
 
 
 def read_environment_name(path: Path) -> str:
-    """Return the name of the environment that demonstrations come from; raise InputError as below."""
-    with _open(path) as file:
-        return str(file.attrs["environment"])
+    """Return how to ask for the environment of demonstrations; raise InputError as below."""
+    with _open(path) as file, _reported(path):
+        return str(file.attrs["load"])
 
 
 def read_demonstrations(path: Path, environment: Environment) -> Demonstrations:
     """Read demonstrations; raise InputError where the file is broken or of another environment."""
-    with _open(path) as file:
+    with _open(path) as file, _reported(path):
         own = symbols(environment)
         if file.attrs["environment"] != environment.name:
             raise InputError(
@@ -144,14 +149,26 @@ def read_demonstrations(path: Path, environment: Environment) -> Demonstrations:
                     f"{path}: its {key} differ from those of '{environment.name}' here: "
                     f"make the demonstrations again with 'bpns demos {environment.name}'"
                 )
-        try:
-            found = [_read_one(group, environment) for group in file["demonstrations"].values()]
-        except (KeyError, ValueError, OSError, RuntimeError) as error:
-            raise InputError(f"{path}: broken demonstrations file: {error}") from error
+        groups = file["demonstrations"].values() if "demonstrations" in file else ()
+        found = [_read_one(group, environment) for group in groups]
         failures = tuple((int(i), str(why)) for i, why in json.loads(file.attrs["failures"]))
         return Demonstrations(
             environment.name, int(file.attrs["seed"]), int(file.attrs["asked"]), tuple(found), failures
         )
+
+
+@contextmanager
+def _reported(path: Path) -> Iterator[None]:
+    """Turn whatever a damaged file leads to into one line."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (KeyError, ValueError, TypeError, AttributeError, IndexError, OSError, RuntimeError) as error:
+        raise InputError(
+            f"{path}: broken demonstrations file ({type(error).__name__}: {error}): "
+            "make it again with 'bpns demos'"
+        ) from error
 
 
 def _open(path: Path) -> h5py.File:
@@ -178,12 +195,18 @@ def _read_one(group: h5py.Group, environment: Environment) -> Demonstration:
         predicates[name](*(objects[o] for o in arguments))
         for name, *arguments in json.loads(group.attrs["goal"])
     )
+    rows, actions = group["states"][()], group["actions"][()]
+    width = sum(len(o.type.features) for o in objects.values())
+    if rows.shape != (len(actions) + 1, width) or actions.shape[1:] != environment.action_low.shape:
+        raise ValueError(f"{group.name}: states {rows.shape} and actions {actions.shape} do not fit")
+    if not (np.isfinite(rows).all() and np.isfinite(actions).all()):
+        raise ValueError(f"{group.name}: a feature or action is no finite number")
     ends = np.cumsum([len(o.type.features) for o in objects.values()])
     states = []
-    for row in group["states"][()].tolist():
+    for row in rows.tolist():
         pieces = {
             o: row[end - len(o.type.features) : end] for o, end in zip(objects.values(), ends, strict=True)
         }
         states.append(State.of(pieces))
-    trajectory = Trajectory(tuple(states), tuple(group["actions"][()]))
+    trajectory = Trajectory(tuple(states), tuple(actions.astype(np.float32)))
     return Demonstration(int(group.attrs["task"]), Task(states[0], goal), trajectory)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from statistics import fmean, pstdev
 from time import monotonic
+from typing import Any
 
 from learning.parallel import parallel_map
 from symbolic.bilevel import Plan, solve
@@ -108,7 +109,7 @@ def evaluate(
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Means over seeds, each with the population standard deviation; shares are in percent.
+    """Means over runs, each with the population standard deviation; shares are in percent.
 
     Seconds are over solved tasks, nodes over refined ones, as in the paper.
     """
@@ -122,21 +123,18 @@ class Summary:
     samples: tuple[float, float]
 
 
-def summarize(results: Sequence[Result]) -> Summary:
-    """Return the statistics of an evaluation."""
-    by_seed: dict[int, list[Result]] = {}
-    for result in results:
-        by_seed.setdefault(result.seed, []).append(result)
+def summarize(runs: Mapping[Any, Sequence[Result]]) -> Summary:
+    """Return the statistics of an evaluation; each run is the results of one model on one seed."""
 
-    def over_seeds(one: Callable[[list[Result]], float | None]) -> tuple[float, float]:
-        values = [value for rows in by_seed.values() if (value := one(rows)) is not None]
+    def over_runs(one: Callable[[Sequence[Result]], float | None]) -> tuple[float, float]:
+        values = [value for rows in runs.values() if (value := one(rows)) is not None]
         return (fmean(values), pstdev(values)) if values else (float("nan"), float("nan"))
 
     def share(which: Callable[[Result], bool]) -> tuple[float, float]:
-        return over_seeds(lambda rows: 100 * fmean(which(r) for r in rows))
+        return over_runs(lambda rows: 100 * fmean(which(r) for r in rows))
 
     def mean(of: Callable[[Result], float], among: Callable[[Result], bool]) -> tuple[float, float]:
-        return over_seeds(lambda rows: fmean(v) if (v := [of(r) for r in rows if among(r)]) else None)
+        return over_runs(lambda rows: fmean(v) if (v := [of(r) for r in rows if among(r)]) else None)
 
     return Summary(
         share(lambda r: r.planned),

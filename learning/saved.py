@@ -3,8 +3,6 @@
 ``domain.pddl`` is the truth for the symbolic part: a person may edit it and plan again.
 """
 
-import shutil
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,14 +12,14 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 from safetensors import SafetensorError
-from safetensors.numpy import load_file, save_file
+from safetensors.numpy import load_file, save
 
 from learning.networks import Array32, Network, Part, Scaling
 from learning.policies import Changing, LearnedPolicy
 from learning.samplers import LearnedSampler
 from symbolic.environment import Environment, domain_of
 from symbolic.errors import InputError
-from symbolic.files import check_output, read_json, write_json
+from symbolic.files import check_output, read_json, replacing_folder, write_json
 from symbolic.pddl.read import read_domain
 from symbolic.pddl.write import model_names, write_domain
 from symbolic.skills import Skill
@@ -39,6 +37,7 @@ class SkillEntry(BaseModel):
     subgoal: list[tuple[str, str]]  # parameter, feature: what a subgoal changes
     max_actions: int | None  # in one roll-out; null: the environment's limit alone
     segments: int  # that it was learned from
+    demonstrations: int  # that these segments are of
     training: dict[Part, tuple[float, int]]  # network -> best loss, iterations
 
 
@@ -49,6 +48,7 @@ class ModelFile(BaseModel):
     format: str
     approach: str
     environment: str
+    load: str  # how to ask for the environment: its name or MODULE:ATTRIBUTE
     seed: int
     skills: dict[str, SkillEntry]
 
@@ -70,6 +70,7 @@ class SavedModel:
 def write_model(
     folder: Path,
     environment: Environment,
+    load: str,
     seed: int,
     skills: Sequence[tuple[Skill, SkillEntry]],
     run: Mapping[str, Any],
@@ -77,42 +78,36 @@ def write_model(
 ) -> None:
     """Write a model folder in one piece, in the place of one that may be there.
 
-    ``run`` goes to run.json as it is. The other files hold nothing that changes from run to run. Raises
-    InputError as ``check_model_output``.
+    ``load`` is how to ask for the environment: its name, or ``module:attribute``. ``run`` goes to run.json as
+    it is; the other files hold nothing that changes from run to run. Raises InputError as
+    ``check_model_output``.
     """
     check_model_output(folder, overwrite=True)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
-    try:
+    with replacing_folder(folder) as temporary:
         domain = domain_of(environment, (skill.operator for skill, _ in skills))
-        total = sum(entry.segments for _, entry in skills)
         comments = {
-            skill.operator.name: f"learned from {entry.segments} of {total} segments"
-            for skill, entry in skills
+            skill.operator.name: f"learned from {e.demonstrations} demonstrations, {e.segments} segments"
+            for skill, e in skills
         }
         (temporary / "domain.pddl").write_text(write_domain(domain, header, comments), encoding="utf-8")
         tensors = {n: t for skill, _ in skills for n, t in _tensors(skill).items()}
-        save_file(tensors, temporary / "skills.safetensors")
+        (temporary / "skills.safetensors").write_bytes(save(tensors))
         entries = {skill.operator.name: entry for skill, entry in skills}
         file = ModelFile(
-            format=FORMAT, approach="bpns", environment=environment.name, seed=seed, skills=entries
+            format=FORMAT,
+            approach="bpns",
+            environment=environment.name,
+            load=load,
+            seed=seed,
+            skills=entries,
         )
         write_json(temporary / "skills.json", file.model_dump(mode="json"))
         write_json(temporary / "run.json", run)
-        temporary.chmod(0o755)
-        if folder.exists():
-            folder.rename(temporary / "previous")
-        temporary.rename(folder)
-        shutil.rmtree(folder / "previous", ignore_errors=True)
-    except OSError as error:
-        raise InputError(f"cannot write {folder}: {error.strerror or error}") from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def check_model_output(folder: Path, overwrite: bool) -> None:
     """Raise InputError where a model cannot be written; a folder with anything but a model stays as it is."""
-    check_output(folder, overwrite)
+    check_output(folder, overwrite, folder=True)
     if folder.exists():
         found = sorted(p.name for p in folder.iterdir()) if folder.is_dir() else ["a file"]
         others = [name for name in found if name not in FILES]
@@ -123,7 +118,9 @@ def check_model_output(folder: Path, overwrite: bool) -> None:
             )
 
 
-def entry_of(skill: Skill, segments: int, training: Mapping[Part, tuple[float, int]]) -> SkillEntry:
+def entry_of(
+    skill: Skill, segments: int, demonstrations: int, training: Mapping[Part, tuple[float, int]]
+) -> SkillEntry:
     """Describe a learned skill for skills.json."""
     parameters = skill.operator.parameters
     assert isinstance(skill.policy, LearnedPolicy)
@@ -132,6 +129,7 @@ def entry_of(skill: Skill, segments: int, training: Mapping[Part, tuple[float, i
         subgoal=[(parameters[p].name, parameters[p].type.features[f]) for p, f in skill.policy.changing],
         max_actions=skill.max_actions,
         segments=segments,
+        demonstrations=demonstrations,
         training=dict(training),
     )
 
@@ -188,7 +186,10 @@ def read_model(folder: Path, environment: Environment) -> SavedModel:
         raise InputError(f"{folder} was learned in '{file.environment}', not in '{environment.name}'")
     path = folder / "domain.pddl"
     names = model_names(domain_of(environment, ())) | {name.lower(): name for name in file.skills}
-    operators = bind_operators(read_domain(path, names), environment, path)
+    domain = read_domain(path, names)
+    if domain.name != environment.name:
+        raise InputError(f"{path}: the domain is called '{domain.name}', not '{environment.name}': rename it")
+    operators = bind_operators(domain, environment, path)
     by_name = {operator.name: operator for operator in operators}
     have = ", ".join(file.skills)
     for name in by_name:

@@ -1,7 +1,7 @@
 """Demonstrations -> skills: the whole of learning, step by step."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -60,11 +60,12 @@ class SkillConfig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnedSkill:
-    """A skill and how its learning went: members of its cluster; loss and iterations of each network."""
+    """A skill, the segments of its cluster and how many demonstrations these are of; loss and iterations."""
 
     skill: Skill
     segments: int
-    fits: dict[Part, tuple[float, int]] = field(default_factory=dict)
+    demonstrations: int
+    fits: dict[Part, tuple[float, int]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +94,8 @@ def learn_skills(
     Networks are trained one after the other, or in ``workers`` processes with the same result: batched into
     one computation they take no less time on a CPU, because the matrix products are what costs.
     """
-    segments = [s for d in data.demonstrations for s in segment(environment, d.trajectory)]
+    by_demonstration = [segment(environment, d.trajectory) for d in data.demonstrations]
+    segments = [s for found in by_demonstration for s in found]
     if not segments:
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no segment")
     operators = learn_operators(segments, config.min_share)
@@ -110,12 +112,15 @@ def learn_skills(
         fitted[job.operator, job.part] = result, job.scaling
         progress(done, len(jobs))
     box = environment.action_low, environment.action_high
-    return tuple(
-        _assemble(
-            operator, features, {p: f for (n, p), f in fitted.items() if n == number}, box, config.patience
-        )
-        for number, (operator, features) in enumerate(zip(operators, changing, strict=True))
-    )
+    owner = {id(s): number for number, found in enumerate(by_demonstration) for s in found}
+    learned = []
+    for number, (operator, features) in enumerate(zip(operators, changing, strict=True)):
+        own = {part: result for (n, part), result in fitted.items() if n == number}
+        skill = _assemble(operator, features, own, box, config.patience)
+        support = len({owner[id(member.segment)] for member in operator.members})
+        fits = {part: (result.loss, result.iterations) for part, (result, _) in own.items()}
+        learned.append(LearnedSkill(skill, len(operator.members), support, fits))
+    return tuple(learned)
 
 
 def _jobs(
@@ -169,7 +174,7 @@ def _assemble(
     fitted: dict[Part, tuple[Fitted, Scaling]],
     box: tuple[Array32, Array32],
     patience: int | None,
-) -> LearnedSkill:
+) -> Skill:
     """Put an operator and its networks together."""
     policy, actions = fitted["policy"]
     nothing = Scaling(np.zeros(0, np.float32), np.zeros(0, np.float32))
@@ -177,11 +182,9 @@ def _assemble(
     discriminator = fitted["discriminator"][0].network if "discriminator" in fitted else None
     subgoals = fitted["generator"][1] if "generator" in fitted else nothing
     longest = max(len(member.segment.trajectory.actions) for member in data.members)
-    skill = Skill(
+    return Skill(
         data.operator,
         LearnedPolicy.of(changing, policy.network, actions, box),
         LearnedSampler.of(changing, generator, subgoals, discriminator),
         max_actions=None if patience is None else patience * longest,
     )
-    fits = {part: (result.loss, result.iterations) for part, (result, _) in fitted.items()}
-    return LearnedSkill(skill, len(data.members), fits)

@@ -48,11 +48,6 @@ class NoPlan:
     effort: Effort
     dead_ends: Mapping[DeadEnd, int]
 
-    @property
-    def planned(self) -> bool:
-        """Say whether at least one abstract plan was found."""
-        return self.effort.abstract_plans > 0
-
 
 class _Stopwatch:
     """Adds up wall-clock seconds by part; time spent is charged when the next part begins."""

@@ -16,7 +16,6 @@ class CompiledOperator:
     forbidden: int
     add: int
     keep: int  # all ones except the atoms that are deleted and not added
-    cost: int = 1
 
     def applicable(self, state: int) -> bool:
         """Say whether the preconditions hold."""

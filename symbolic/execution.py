@@ -27,8 +27,8 @@ class Execution:
 def execute(environment: Environment, task: Task, plan: Plan, *, whole: bool = False) -> Execution:
     """Run the plan's skills one after the other until the goal holds, or with ``whole`` to the plan's end.
 
-    A skill is over when it says so, or where it was stuck during refinement. Source: spec, common.md
-    section 6 and algorithm.md section 9.
+    Each skill gets as many actions as in the refinement: the simulator is deterministic, so that is where
+    the skill is over, or was stuck. Source: spec, common.md section 6 and algorithm.md section 9.
     """
     states: list[State] = [task.init]
     actions: list[Array] = []
@@ -44,7 +44,10 @@ def execute(environment: Environment, task: Task, plan: Plan, *, whole: bool = F
     for number, step in enumerate(plan.steps):
         if not step.skill.initiable(environment, states[-1]):
             return outcome(f"step {number + 1} {step.skill.operator} is not initiable")
-        controller = step.skill.begin(states[-1], step.subgoal)
+        try:
+            controller = step.skill.begin(states[-1], step.subgoal)
+        except SkillFailure as failure:
+            return outcome(f"step {number + 1} {step.skill.operator} failed: {failure}")
         for _ in step.trajectory.actions:
             if len(actions) >= environment.horizon:
                 return outcome("" if reached() else "horizon")

@@ -118,10 +118,13 @@ def _without_forbidden(
         if len(allowed) == len(operators):
             return operators, permanent
         reached, kept = set(init), []
-        while now := [o for o in allowed if o.preconditions <= reached]:
+        growing = True
+        while growing:
+            now = [o for o in allowed if o.preconditions <= reached]
+            allowed = [o for o in allowed if not o.preconditions <= reached]
             kept += now
             reached.update(*(o.add_effects for o in now))
-            allowed = [o for o in allowed if o not in now]
+            growing = bool(now)
         operators = tuple(kept)
 
 

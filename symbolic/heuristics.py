@@ -24,7 +24,7 @@ class Relaxed:
         self.preconditions = [bits(o.preconditions) or [self.true] for o in problem.operators]
         self.preconditions.append(bits(problem.goal) or [self.true])
         self.effects = [bits(o.add & ~o.preconditions) for o in problem.operators] + [[self.goal]]
-        self.costs = [float(o.cost) for o in problem.operators] + [0.0]
+        self.costs = [1.0] * len(problem.operators) + [0.0]
         self.users: list[list[int]] = [[] for _ in range(self.facts)]
         for number, facts in enumerate(self.preconditions):
             for fact in facts:

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import zlib
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -47,7 +48,7 @@ def read_recording(path: Path) -> Json:
         missing = {"environment", "types", "train_tasks", "test_tasks", "demos", "transitions"} - set(
             recording
         )
-    except (OSError, EOFError, ValueError, TypeError) as error:
+    except (OSError, EOFError, ValueError, TypeError, RecursionError, zlib.error) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"cannot read {path} as a recording (JSON or JSON.gz): {reason}") from error
     if not isinstance(recording, dict) or missing:
@@ -74,7 +75,7 @@ def replay(recording: Json, environment: Environment) -> Replay:
         for number, transition in enumerate(recording["transitions"]):
             split, task = transition["task"]
             _check_transition(transition, number, inits[split, task], environment, result)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise InputError(f"broken recording: {type(error).__name__}: {error}") from error
     return result
 

@@ -113,10 +113,13 @@ class GroundSkill:
             return NotInitiable()
         if self.skill.max_actions is not None:
             most = min(most, self.skill.max_actions)
-        controller = self.begin(state, subgoal)
         states = [state]
         actions: list[Array] = []
         stuck = False
+        try:
+            controller = self.begin(state, subgoal)
+        except SkillFailure as failure:
+            return Failed(str(failure))
         while len(actions) < most and not self.terminal(environment, state):
             if len(states) > 1 and state.close(states[-2]):
                 stuck = True

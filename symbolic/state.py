@@ -42,10 +42,6 @@ class State:
     def __getitem__(self, obj: Object) -> Features:
         return self.features[obj.name]
 
-    def value(self, obj: Object, feature: str) -> float:
-        """Return one feature by name."""
-        return self.features[obj.name][obj.type.features.index(feature)]
-
     def changed(self, changes: Mapping[str, Features]) -> "State":
         """Return a copy in which the named objects have other features."""
         return State(self.objects, {**self.features, **changes}, self.by_type)

@@ -6,7 +6,7 @@ fields is recomputed each time an atom enters a set and dominated the profile.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Self, TypeVar
+from typing import TypeVar
 
 Atom = TypeVar("Atom", "GroundAtom", "LiftedAtom")
 
@@ -185,6 +185,11 @@ class GroundOperator:
     def __str__(self) -> str:
         return f"{self.operator.name}({', '.join(o.name for o in self.objects)})"
 
+    @property
+    def call(self) -> str:
+        """The step as planners write it: ``(pick block0 robby)``."""
+        return f"({' '.join([self.operator.name, *(o.name for o in self.objects)])})".lower()
+
     def applicable(self, atoms: frozenset[GroundAtom]) -> bool:
         """Say whether the preconditions hold in an abstract state."""
         return self.preconditions <= atoms and not self.negative_preconditions & atoms
@@ -204,9 +209,9 @@ class Domain:
     operators: tuple[Operator, ...]
     constants: tuple[Object, ...] = ()
 
-    def with_operators(self, operators: Iterable[Operator]) -> Self:
+    def with_operators(self, operators: Iterable[Operator]) -> "Domain":
         """Return the same domain with other operators."""
-        return type(self)(self.name, self.types, self.predicates, tuple(operators), self.constants)
+        return Domain(self.name, self.types, self.predicates, tuple(operators), self.constants)
 
 
 @dataclass(frozen=True, slots=True)

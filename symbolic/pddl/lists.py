@@ -62,8 +62,10 @@ def parse_lists(text: str, path: str) -> List:
         line, column = max(error.line, 1), max(error.column, 1)
         if error.token.type == "$END":
             line, column = text.count("\n") + 1, len(text) - text.rfind("\n")
-            what = "the file ends inside a list" if "(" in text else "the file is empty"
-            raise PddlError(path, line, column, f"{what}: a ')' is missing, or the file is cut off") from None
+            if "(" not in text:
+                raise PddlError(path, line, column, "no PDDL here: expected (define ...)") from None
+            what = "the file ends inside a list: a ')' is missing, or the file is cut off"
+            raise PddlError(path, line, column, what) from None
         if error.token == ")":
             raise PddlError(path, line, column, "')' without its '(': remove it") from None
         raise PddlError(path, line, column, f"'{error.token}' outside the definition: remove it") from None

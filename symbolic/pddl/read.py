@@ -80,8 +80,6 @@ class _Reader:
     predicates: dict[str, Predicate] = field(default_factory=dict)
     requirements: frozenset[str] = frozenset()
 
-    # ---------------------------------------------------------------------------------- messages
-
     def fail(self, node: Node, message: str) -> NoReturn:
         raise PddlError(self.path, node.line, node.column, message)
 
@@ -94,8 +92,6 @@ class _Reader:
     def need(self, node: Node, flag: str, *also: str) -> None:
         if not self.requirements & {flag, ":adl", *also}:
             self.warn(node, f"{flag} is used but missing in :requirements")
-
-    # ------------------------------------------------------------------------------------- words
 
     def word(self, node: Node, what: str) -> Word:
         if isinstance(node, List):
@@ -141,8 +137,6 @@ class _Reader:
             self.fail(word, f"unknown type '{word.text}' {_have(self.types)}")
         return self.types[word.text]
 
-    # -------------------------------------------------------------------------------- definition
-
     def sections(self, tree: List, kind: str, allowed: tuple[str, ...]) -> tuple[str, list[List]]:
         """Check ``(define (kind name) ...)``; return the name and the sections."""
         if tree.head != "define" or len(tree.items) < 2:
@@ -176,8 +170,6 @@ class _Reader:
                 )
             flags.add(flag.text)
         self.requirements = frozenset(flags)
-
-    # ------------------------------------------------------------------------------------ domain
 
     def domain(self, tree: List) -> Domain:
         name, sections = self.sections(tree, "domain", DOMAIN_SECTIONS)
@@ -309,8 +301,6 @@ class _Reader:
             frozenset(negative),
         )
 
-    # ---------------------------------------------------------------------------------- formulas
-
     def formula(
         self, node: Node, variables: Mapping[str, Variable], true: set[LiftedAtom], false: set[LiftedAtom]
     ) -> None:
@@ -353,8 +343,6 @@ class _Reader:
         except ValueError as error:
             self.fail(node, str(error))
 
-    # ----------------------------------------------------------------------------------- problem
-
     def adopt(self, domain: Domain) -> None:
         """Start from what a domain declares."""
         self.types |= {t.name.lower(): t for t in domain.types}
@@ -365,6 +353,8 @@ class _Reader:
     def problem(self, tree: List, domain: Domain) -> Problem:
         name, sections = self.sections(tree, "problem", PROBLEM_SECTIONS)
         by_kind = {section.head: section for section in sections}
+        if ":requirements" in by_kind:
+            self.read_requirements(by_kind[":requirements"])
         for kind in (":domain", ":init", ":goal"):
             if kind not in by_kind:
                 self.fail(tree, f"the problem has no {kind} section")

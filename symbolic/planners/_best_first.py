@@ -102,12 +102,17 @@ class _PathSearch:
             step = step.parent
         return rose
 
-    def can_end(self, state: int) -> bool:
-        """Say whether a goal can be reached from a state; where not, no estimate is high enough."""
+    def can_end(self, state: int, limit: Limit) -> bool:
+        """Say whether a goal can be reached from a state; yes where a limit ends the question.
+
+        Where no goal can be reached, no estimate is high enough.
+        """
         came_from: dict[int, int | None] = {state: None}
         queue = [(self.estimate(state), state)]
         while queue:
             _, now = heappop(queue)
+            if limit.late or len(came_from) > limit.nodes:
+                return True
             if now in self.alive or self.problem.is_goal(now):
                 step: int | None = now
                 while step is not None:
@@ -146,7 +151,7 @@ class _PathSearch:
                 yield node.steps()
             elif self.aside is not None and self.depth.get(node.state, inf) <= node.length:
                 self.aside.append(node)
-            elif self.aside is None and (not self.can_end(node.state) or self.sharpen(node)):
+            elif self.aside is None and (not self.can_end(node.state, limit) or self.sharpen(node)):
                 self.requeue(node)  # unless it is dead
             else:
                 self.depth[node.state] = min(node.length, self.depth.get(node.state, node.length))

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
+from shutil import which
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -63,9 +64,11 @@ class Pyperplan:
         make = library.HEURISTICS[self.heuristic]
         with _reported("search"):
             first = _search(task, library.SEARCHES[self.search], make, self.search, limit, record)
-        if first is None:
+        if record.stopped_by:
             return
-        yield AbstractPlan.follow(problem, [compiled.operators[i].ground for i in first])
+        if first is not None:
+            yield AbstractPlan.follow(problem, [compiled.operators[i].ground for i in first])
+        # Some of its searches miss plans that exist: ours then finds them, or proves that there are none.
         heuristic = _heuristic(task, make)
         for steps in enumerate_plans(compiled, heuristic, rng, limit, record):
             if steps != first:
@@ -75,8 +78,9 @@ class Pyperplan:
 def create(search: str = "astar", heuristic: str = "lmcut") -> Pyperplan:
     """Return the planner; raise InputError for unknown names, MissingPackage without pyperplan."""
     library = _library()
+    searches = {name: s for name, s in library.SEARCHES.items() if name != "sat" or which("minisat")}
     for kind, name, known in (
-        ("search", search, library.SEARCHES),
+        ("search", search, searches),
         ("heuristic", heuristic, library.HEURISTICS),
     ):
         if name not in known:
@@ -88,8 +92,12 @@ def create(search: str = "astar", heuristic: str = "lmcut") -> Pyperplan:
 def _library() -> Any:
     try:
         from pyperplan import planner  # optional, GPL, slow to import
+        from pyperplan.heuristics import lm_cut
     except ImportError as error:
         raise MissingPackage("pyperplan is not installed: pip install 'bpns[pyperplan]'") from error
+    # LM-cut walks through sets of these, whose order and with it the plan would depend on places in memory.
+    lm_cut.RelaxedOp.__hash__ = lambda op: int(op.name) if op.name.isdigit() else -1
+    lm_cut.LmCutHeuristic.always_true = _Fact.of(-2)
     return planner
 
 
@@ -98,7 +106,7 @@ def _reported(doing: str) -> Iterator[None]:
     """Turn pyperplan's internal exceptions into one line."""
     try:
         yield
-    except Exception as error:  # it raises bare ValueError, AssertionError, SystemExit's cousins, ...
+    except (Exception, SystemExit) as error:  # its sat search exits where minisat is missing
         text = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"pyperplan failed in its {doing}: {text}: try --planner astar") from error
 
@@ -127,8 +135,7 @@ def _ground(problem: GroundProblem, library: Any) -> tuple[Any, CompiledProblem]
 
     compiled = []
     for ours in problem.operators:
-        name = f"({' '.join([ours.operator.name, *(o.name for o in ours.objects)])})".lower()
-        theirs = grounded.get(name)
+        theirs = grounded.get(ours.call)
         if theirs is not None:  # it leaves out operators without any effect
             keep = everything & ~mask(theirs.del_effects - theirs.add_effects)
             compiled.append(

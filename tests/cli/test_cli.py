@@ -1,6 +1,7 @@
 """The program as a user meets it: output, exit codes, one line for what is wrong."""
 
 import json
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -39,8 +40,8 @@ def bpns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
 
 @pytest.fixture
 def model(learned: tuple[LearnedSkill, ...], tmp_path: Path) -> Path:
-    skills = [(one.skill, entry_of(one.skill, one.segments, one.fits)) for one in learned]
-    write_model(tmp_path / "model", envs.load("cover"), 0, skills, {}, "")
+    skills = [(one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in learned]
+    write_model(tmp_path / "model", envs.load("cover"), "cover", 0, skills, {}, "")
     return tmp_path / "model"
 
 
@@ -156,7 +157,7 @@ def test_plan_that_cannot_be_refined(bpns: Run, tmp_path: Path) -> None:
     assert code == 12
     assert "planned:  yes" in out
     assert "refined:  no" in out
-    assert "dead end, 1 x: plan 1, step" in out
+    assert "  1 x plan 1, step" in out
 
 
 UNSOLVABLE = """(define (problem p) (:domain cover)
@@ -168,7 +169,35 @@ def test_no_plan(bpns: Run, tmp_path: Path) -> None:
     problem.write_text(UNSOLVABLE)
     code, out, _ = bpns("plan", "pddl_out/cover/domain.pddl", "--problem", problem)
     assert code == 11
-    assert "Covers(b, t)" in out or "covers(b, t)" in out
+    assert "covers(b, t)" in out
+    code, out, _ = bpns("plan", "pddl_out/cover/domain.pddl", "--problem", problem, "--json")
+    assert code == 11
+    assert json.loads(out)["plans"] == []
+
+
+def test_an_environment_of_ones_own_goes_through_everything(bpns: Run, tmp_path: Path) -> None:
+    demos, model = tmp_path / "toy.h5", tmp_path / "toy"
+    assert bpns("demos", "tests.toy:Toy", "--count", 20, "--workers", 1, "--out", demos)[0] == 0
+    assert bpns("learn", demos, "--out", model)[0] == 0
+    assert "learned from 17 demonstrations, 17 segments" in (model / "domain.pddl").read_text()
+    code, out, _ = bpns("plan", model)
+    assert (code, "executed: yes" in out) == (0, True)
+    assert bpns("plan", model, "--show", tmp_path / "toy.gif")[0] == 0
+    assert bpns("export", model, "--out", tmp_path / "pddl", "--problems", 2)[0] == 0
+    code, out, _ = bpns("plan", tmp_path / "pddl/domain.pddl", "--problem", tmp_path / "pddl/p01.pddl")
+    assert out.endswith("(op0 hand0)\n(op1 door0 hand0)\n")
+    assert bpns("evaluate", model, "--tasks", 2)[0] == 0
+    assert "Op0" in bpns("operators", model)[1]
+
+
+def test_models_of_one_name_are_kept_apart(bpns: Run, model: Path, tmp_path: Path) -> None:
+    twin = tmp_path / "twin" / "model"
+    shutil.copytree(model, twin)
+    code, out, _ = bpns("evaluate", model, twin, "--tasks", 2, "--json")
+    assert code == 0
+    assert [row["model"] for row in json.loads(out)["tasks"]] == [str(model)] * 2 + [str(twin)] * 2
+    _, out, _ = bpns("evaluate", model, twin, "--tasks", 2)
+    assert "mean (std)" in out
 
 
 def test_evaluate(bpns: Run, model: Path) -> None:

@@ -58,4 +58,7 @@ def test_unknown_and_foreign_environments() -> None:
         envs.load("nowhere")
     with pytest.raises(InputError, match="no_such_module"):
         envs.load("no_such_module:Thing")
+    for name in ("os:name", "json:dumps", ":x", "json:JSONDecoder", "tests.toy:HAND"):
+        with pytest.raises(InputError, match=r"cannot load environment|is no environment"):
+            envs.load(name)
     assert envs.load("tests.toy:Toy").name == "toy"

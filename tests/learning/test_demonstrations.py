@@ -83,6 +83,26 @@ def test_broken_and_foreign_files(demonstrations: Demonstrations, tmp_path: Path
         del file["demonstrations/000000/actions"]
     with pytest.raises(InputError, match="broken demonstrations file"):
         read_demonstrations(path, COVER)
+    damages = {
+        "types": lambda file: file.attrs.__delitem__("types"),
+        "seed": lambda file: file.attrs.__delitem__("seed"),
+        "objects": lambda file: file["demonstrations/000000"].attrs.__setitem__("objects", "[1]"),
+        "goal": lambda file: file["demonstrations/000000"].attrs.__setitem__("goal", "3"),
+        "nan": lambda file: file["demonstrations/000000/states"].__setitem__((0, 0), np.nan),
+    }
+    for name, damage in damages.items():
+        path.write_bytes(data)
+        with h5py.File(path, "r+") as file:
+            damage(file)
+        with pytest.raises(InputError, match="broken demonstrations file"):
+            print(name, read_demonstrations(path, COVER))
+    path.write_bytes(data)
+    with h5py.File(path, "r+") as file:
+        narrow = file["demonstrations/000000/actions"][()][:, :2]
+        del file["demonstrations/000000/actions"]
+        file["demonstrations/000000/actions"] = narrow
+    with pytest.raises(InputError, match="do not fit"):
+        read_demonstrations(path, COVER)
     with h5py.File(path, "w") as file:
         file["other"] = [1]
     with pytest.raises(InputError, match="not of bpns demonstrations"):

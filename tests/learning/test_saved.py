@@ -22,8 +22,8 @@ def model(learned: tuple[LearnedSkill, ...], tmp_path: Path) -> Path:
 
 
 def save(learned: tuple[LearnedSkill, ...], folder: Path) -> None:
-    skills = [(one.skill, entry_of(one.skill, one.segments, one.fits)) for one in learned]
-    write_model(folder, COVER, 7, skills, {"command": "test"}, "a header")
+    skills = [(one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in learned]
+    write_model(folder, COVER, "cover", 7, skills, {"command": "test"}, "a header")
 
 
 def test_a_loaded_model_acts_as_the_learned_one(learned: tuple[LearnedSkill, ...], model: Path) -> None:
@@ -47,6 +47,26 @@ def test_saving_again_gives_the_same_bytes(learned: tuple[LearnedSkill, ...], mo
     save(learned, model)
     assert {path.name: path.read_bytes() for path in model.iterdir()} == before
     assert sorted(before) == ["domain.pddl", "run.json", "skills.json", "skills.safetensors"]
+    assert [p.name for p in model.parent.iterdir()] == ["model"]
+
+
+def test_an_interrupted_save_keeps_the_model_that_was_there(
+    learned: tuple[LearnedSkill, ...], model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = {path.name: path.read_bytes() for path in model.iterdir()}
+    rename = Path.rename
+    calls = []
+
+    def interrupted(path: Path, target: Path) -> Path:
+        calls.append(path)
+        if len(calls) == 2:  # the old model is away, the new one not yet there
+            raise KeyboardInterrupt
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        save(learned, model)
+    assert {path.name: path.read_bytes() for path in model.iterdir()} == before
     assert [p.name for p in model.parent.iterdir()] == ["model"]
 
 

@@ -47,8 +47,10 @@ def test_learned_skills_solve_the_toy_task(toy_skills: tuple[LearnedSkill, ...],
     task = sample_tasks(environment, "test", 1, 0)[0]
     plan = solve(environment, task, skills, planners.load("astar"), Budget(3, 10), 1)
     assert isinstance(plan, Plan)
-    pairs = [(one.skill, entry_of(one.skill, one.segments, one.fits)) for one in toy_skills]
-    write_model(tmp_path / "toy", environment, 0, pairs, {}, "")
+    pairs = [
+        (one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in toy_skills
+    ]
+    write_model(tmp_path / "toy", environment, "tests.toy:Toy", 0, pairs, {}, "")
     saved = read_model(tmp_path / "toy", environment)
     again = solve(environment, task, saved.skills, planners.load("astar"), Budget(3, 10), 1)
     assert isinstance(again, Plan)
@@ -116,7 +118,7 @@ def test_evaluation_counts(learned: tuple[LearnedSkill, ...]) -> None:
         assert result.executed <= result.refined
         assert bool(result.fault) == (not result.executed)
         assert result.refined or result.dead_ends
-    summary = summarize(results)
+    summary = summarize({seed: [r for r in results if r.seed == seed] for seed in (0, 1)})
     assert summary.planned == (100.0, 0.0)
     assert summary.solved[0] == pytest.approx(100 * sum(r.executed for r in results) / 6)
 
@@ -129,6 +131,6 @@ def test_cover_is_learned_and_solved() -> None:
     assert [one.skill.operator.name for one in skills] == ["Op0", "Op1"]
     by_name = {one.skill.operator.name: one.skill for one in skills}
     solver = Solver(COVER, by_name, planners.load("astar"), COVER.budget)
-    summary = summarize(evaluate(solver, [77], 40))
+    summary = summarize({77: evaluate(solver, [77], 40)})
     assert summary.solved[0] >= 90
     assert summary.nodes_created[0] < 10

@@ -53,10 +53,8 @@ def check_against_cross_product(domain: Domain, problem: Problem) -> None:
 
 
 def without_negative_preconditions(domain: Domain) -> Domain:
-    return domain.with_operators(
-        Operator(o.name, o.parameters, o.preconditions, o.add_effects, o.delete_effects)
-        for o in domain.operators
-    )
+    operators = (replace(o, negative_preconditions=frozenset()) for o in domain.operators)
+    return replace(domain, operators=tuple(operators))
 
 
 @settings(deadline=None, max_examples=100)

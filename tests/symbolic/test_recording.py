@@ -122,8 +122,11 @@ def test_files(tmp_path: Path) -> None:
     plain.write_text(json.dumps(recorded()))
     packed.write_bytes(gzip.compress(plain.read_bytes()))
     assert read_recording(plain) == read_recording(packed) == recorded()
-    packed.write_bytes(packed.read_bytes()[:-20])
-    for path in (packed, tmp_path / "missing.json", tmp_path):
+    whole = packed.read_bytes()
+    packed.write_bytes(whole[:-20])
+    damaged = tmp_path / "damaged.json.gz"
+    damaged.write_bytes(whole[:30] + bytes(20) + whole[50:])
+    for path in (packed, damaged, tmp_path / "missing.json", tmp_path):
         with pytest.raises(InputError, match="cannot read"):
             read_recording(path)
     plain.write_text("[1, 2]")
