@@ -75,7 +75,9 @@ def command(
     if len({subject.environment.name for subject in subjects}) > 1:
         raise click.UsageError("the models are of several environments: evaluate them one by one")
     work = [(subject, seeds or [subject.seed]) for subject in subjects]
-    labels = [str(model) for model in models] or [subjects[0].label]
+    labels = [subject.label for subject in subjects]
+    if len(set(labels)) < len(labels):
+        labels = [str(model) for model in models]
     results: list[tuple[int, Result]] = []  # with the number of the subject
     total = tasks * sum(len(own) for _, own in work)
     with progress_bar("evaluating") as progress:

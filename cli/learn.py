@@ -1,5 +1,6 @@
 """Learn skills from demonstrations."""
 
+import os
 import platform
 import shlex
 import sys
@@ -47,7 +48,7 @@ def command(
     from learning.skills import SkillConfig, learn_skills  # torch: slow to import
 
     config = SkillConfig.full() if full else SkillConfig()
-    start, start_cpu = time.perf_counter(), time.process_time()
+    start, start_cpu = time.perf_counter(), _cpu_seconds()
     with progress_bar("training") as progress:
         learned = learn_skills(
             world,
@@ -57,7 +58,7 @@ def command(
             workers,
             progress,
         )
-    seconds, cpu = time.perf_counter() - start, time.process_time() - start_cpu
+    seconds, cpu = time.perf_counter() - start, _cpu_seconds() - start_cpu
     count = len(data.demonstrations)
     header = (
         f"Skills of environment {world.name}, learned by bpns {__version__} from {count} demonstrations\n"
@@ -73,7 +74,7 @@ def command(
         "seed": seed,
         "demonstrations": {"seed": data.seed, "asked": data.asked, "given": count},
         "seconds": round(seconds, 3),
-        "cpu_seconds": round(cpu, 3) if workers == 1 else None,
+        "cpu_seconds": round(cpu, 3),
     }
     skills = [(one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in learned]
     write_model(out, world, load, seed, skills, run, header)
@@ -81,3 +82,9 @@ def command(
         support = f"(from {one.demonstrations} demonstrations, {one.segments} segments)"
         click.echo(f"{operator_text(one.skill.operator)}\n  {support}\n")
     click.echo(f"learned {len(learned)} skills in {seconds:.1f} s: {out}")
+
+
+def _cpu_seconds() -> float:
+    """Return the processor time of this process and of its workers that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system

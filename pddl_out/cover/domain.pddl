@@ -13,7 +13,7 @@
     (isblock ?x0 - block)
     (istarget ?x0 - target))
 
-  ; learned from 1357 of 2714 segments
+  ; learned from 998 demonstrations, 1357 segments
   (:action op0
     :parameters (?x0 - block ?x1 - gripper)
     :precondition (and
@@ -23,7 +23,7 @@
       (holding ?x0 ?x1)
       (not (handempty))))
 
-  ; learned from 1357 of 2714 segments
+  ; learned from 998 demonstrations, 1357 segments
   (:action op1
     :parameters (?x0 - block ?x1 - gripper ?x2 - target)
     :precondition (and
