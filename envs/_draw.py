@@ -32,7 +32,8 @@ class Canvas:
     def blank(cls, left: float, right: float, bottom: float, top: float, width: int) -> "Canvas":
         """Return a white canvas, ``width`` pixels wide."""
         scale = width * SMOOTH / (right - left)
-        size = (width * SMOOTH, round((top - bottom) * scale) + CAPTION_HEIGHT * SMOOTH)
+        height = round((top - bottom) / (right - left) * width) + CAPTION_HEIGHT
+        size = (width * SMOOTH, height * SMOOTH)
         return cls(left, right, bottom, top, Image.new("RGB", size, "white"), scale)
 
     def pixel(self, x: float, y: float) -> tuple[float, float]:
@@ -101,5 +102,4 @@ class Canvas:
 
     def finish(self) -> Image.Image:
         """Return the picture at its final size."""
-        size = (self.image.width // SMOOTH, self.image.height // SMOOTH)
-        return self.image.resize(size, Image.Resampling.LANCZOS)
+        return self.image.reduce(SMOOTH)

@@ -1,11 +1,17 @@
+import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 import envs
 from learning.demonstrations import Demonstrations, collect
 from learning.skills import LearnedSkill, SkillConfig, learn_skills
 from learning.training import Training
+
+# No deadline, since machines differ; in CI the same examples each time, elsewhere new ones.
+settings.register_profile("bpns", deadline=None, derandomize="CI" in os.environ)
+settings.load_profile("bpns")
 
 FEW = SkillConfig(policy=Training(300), generator=Training(300), discriminator=Training(300))
 
