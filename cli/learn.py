@@ -50,14 +50,7 @@ def command(
     config = SkillConfig.full() if full else SkillConfig()
     start, start_cpu = time.perf_counter(), _cpu_seconds()
     with progress_bar("training") as progress:
-        learned = learn_skills(
-            world,
-            data,
-            config,
-            seed,
-            workers,
-            progress,
-        )
+        learned = learn_skills(world, data, config, seed, workers, progress)
     seconds, cpu = time.perf_counter() - start, _cpu_seconds() - start_cpu
     count = len(data.demonstrations)
     header = (
@@ -66,10 +59,7 @@ def command(
         "operators' names and the types of their parameters."
     )
     run = {
-        "command": shlex.join(["bpns", *sys.argv[1:]]),
-        "bpns": __version__,
-        "python": platform.python_version(),
-        **{package: version(package) for package in ("numpy", "torch", "safetensors", "h5py")},
+        **_program(),
         "settings": asdict(config),
         "seed": seed,
         "demonstrations": {"seed": data.seed, "asked": data.asked, "given": count},
@@ -82,6 +72,17 @@ def command(
         support = f"(from {one.demonstrations} demonstrations, {one.segments} segments)"
         click.echo(f"{operator_text(one.skill.operator)}\n  {support}\n")
     click.echo(f"learned {len(learned)} skills in {seconds:.1f} s: {out}")
+
+
+def _program() -> dict[str, str]:
+    """Return the command and the versions that made a model."""
+    packages = ("numpy", "torch", "safetensors", "h5py")
+    return {
+        "command": shlex.join(["bpns", *sys.argv[1:]]),
+        "bpns": __version__,
+        "python": platform.python_version(),
+        **{package: version(package) for package in packages},
+    }
 
 
 def _cpu_seconds() -> float:

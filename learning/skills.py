@@ -48,7 +48,7 @@ class SkillConfig:
 
     @classmethod
     def full(cls) -> "SkillConfig":
-        """Return the paper's own procedure."""
+        """Return the paper's iterations and roll-out limit."""
         discriminator = Training(10_000, Stop(5000, 0.0))
         return cls(
             patience=None,

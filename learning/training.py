@@ -98,8 +98,8 @@ def gaussian_negative_log_likelihood(outputs: Tensor, targets: Tensor) -> tuple[
 class _Perceptron:
     """Parameters in one vector, activations in fixed buffers, and gradients for all rows at once.
 
-    The buffers have ``padding`` more columns than there are rows of data, which a matrix product likes
-    (a fifth of its time); the error of these columns is always zero.
+    The buffers have a few more columns than there are rows of data, up to a multiple that matrix products
+    like; the error of these columns is always zero.
     """
 
     def __init__(self, inputs: Tensor, outputs: int, hidden: tuple[int, ...], fan_in: int, seed: int) -> None:

@@ -59,6 +59,12 @@ def read_recording(path: Path) -> Json:
 def replay(recording: Json, environment: Environment) -> Replay:
     """Compare everything in a recording with what the environment does; raise InputError on broken parts."""
     result = Replay()
+    foreign = sorted(set(recording["types"]) - {t.name for t in environment.types})
+    if foreign:
+        raise InputError(
+            f"this recording is of '{recording['environment']}': environment '{environment.name}' has no type "
+            f"'{foreign[0]}': give the right --environment"
+        )
     try:
         _check_definition(recording, environment, result)
         inits: dict[tuple[str, int], State] = {}

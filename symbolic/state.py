@@ -17,8 +17,8 @@ Features: TypeAlias = tuple[float, ...]
 class State:
     """Every object's features as Python floats. No equality: ask ``close`` with a tolerance.
 
-    Features are kept by object name in tuples, not in arrays: simulators read single numbers, and
-    reading one from a numpy array costs ten times as much.
+    Features are kept by object name in tuples, not in arrays: simulators read single numbers, which is
+    slow from numpy arrays.
     """
 
     objects: tuple[Object, ...]  # canonical order

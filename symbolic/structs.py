@@ -1,7 +1,7 @@
 """Symbolic values: types, objects, predicates, atoms, operators, domains and problems.
 
 Every value is frozen and compared by content. Hashes use names only, because a hash over the nested
-fields is recomputed each time an atom enters a set and dominated the profile.
+fields would be computed anew each time that an atom enters a set.
 """
 
 from collections.abc import Iterable, Mapping

@@ -21,7 +21,7 @@ ONLY_IN = {
 FILES = [path for layer in MAY_IMPORT for path in sorted((ROOT / layer).rglob("*.py"))]
 
 
-def imports(path: Path, depth: type[ast.AST] = ast.AST) -> set[str]:
+def imports(path: Path) -> set[str]:
     names = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

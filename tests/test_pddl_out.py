@@ -18,7 +18,7 @@ from symbolic import planners
 from symbolic.environment import problem_of, sample_tasks
 from symbolic.grounding import GroundProblem, ground
 from symbolic.pddl.read import read_domain, read_problem
-from symbolic.pddl.write import model_names, write_domain, write_problem
+from symbolic.pddl.write import write_domain, write_problem
 from symbolic.planners import Limit, SearchRecord
 
 FOLDERS = sorted((Path(__file__).parents[1] / "pddl_out").iterdir())
@@ -78,4 +78,3 @@ def test_files_are_as_we_write_them(folder: Path) -> None:
             problem, domain, f"evaluation task {number - 1} of seed 0, environment {folder.name}"
         )
         assert path.read_text() == written
-        assert model_names(domain)
