@@ -62,8 +62,8 @@ def replay(recording: Json, environment: Environment) -> Replay:
     foreign = sorted(set(recording["types"]) - {t.name for t in environment.types})
     if foreign:
         raise InputError(
-            f"this recording is of '{recording['environment']}': environment '{environment.name}' has no type "
-            f"'{foreign[0]}': give the right --environment"
+            f"this recording is of '{recording['environment']}': environment '{environment.name}' has no "
+            f"type '{foreign[0]}': give the right --environment"
         )
     try:
         _check_definition(recording, environment, result)
