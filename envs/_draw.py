@@ -82,6 +82,26 @@ class Canvas:
         ends = [self.pixel(*start), self.pixel(*end)]
         self._pen().line(ends, fill=color, width=round(thickness * SMOOTH))
 
+    def disc(
+        self,
+        x: float,
+        y: float,
+        radius: float,
+        fill: Color,
+        opacity: float = 1.0,
+        edge: Color | None = None,
+        thickness: float = 2,
+    ) -> None:
+        """Draw a filled disc; radius in world units."""
+        cx, cy = self.pixel(x, y)
+        r = radius * self.pixels_per_unit
+        self._pen().ellipse(
+            (cx - r, cy - r, cx + r, cy + r),
+            fill=(*fill, round(255 * opacity)),
+            outline=edge,
+            width=round(thickness * SMOOTH) if edge is not None else 0,
+        )
+
     def dot(self, x: float, y: float, radius: float, color: Color) -> None:
         """Draw a filled disc; radius in pixels."""
         cx, cy = self.pixel(x, y)

@@ -298,6 +298,7 @@ class Cover:
     goal_predicates = frozenset({COVERS})
     contact_predicates = frozenset({COVERS, HAND_EMPTY, IS_HOLDING})
     oracle_skills = ORACLE_SKILLS
+    given_skills = ()
     action_low = np.array([-np.inf, -np.inf, -1], np.float32)
     action_high = np.array([np.inf, np.inf, 1], np.float32)
     horizon = 100

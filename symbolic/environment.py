@@ -13,7 +13,7 @@ from symbolic.structs import Domain, GroundAtom, Object, Operator, Predicate, Pr
 if TYPE_CHECKING:  # planning needs no pictures
     from PIL.Image import Image
 
-    from symbolic.skills import Skill
+    from symbolic.skills import GivenSkill, Skill
 
 Classifier: TypeAlias = Callable[[State, tuple[Object, ...]], bool]
 Split: TypeAlias = Literal["train", "test"]
@@ -57,6 +57,8 @@ class Environment(Protocol):
     def contact_predicates(self) -> frozenset[Predicate]: ...
     @property
     def oracle_skills(self) -> tuple["Skill", ...]: ...
+    @property
+    def given_skills(self) -> tuple["GivenSkill", ...]: ...  # the learner knows these; mostly none
     @property
     def action_low(self) -> Array: ...
     @property

@@ -44,10 +44,12 @@ def execute(environment: Environment, task: Task, plan: Plan, *, whole: bool = F
     for number, step in enumerate(plan.steps):
         if not step.skill.initiable(environment, states[-1]):
             return outcome(f"step {number + 1} {step.skill.operator} is not initiable")
+        start = perf_counter()
         try:
             controller = step.skill.begin(states[-1], step.subgoal)
         except SkillFailure as failure:
             return outcome(f"step {number + 1} {step.skill.operator} failed: {failure}")
+        seconds += perf_counter() - start
         for _ in step.trajectory.actions:
             if len(actions) >= environment.horizon:
                 return outcome("" if reached() else "horizon")
@@ -57,6 +59,8 @@ def execute(environment: Environment, task: Task, plan: Plan, *, whole: bool = F
                 start = perf_counter()
                 action = controller(states[-1])
                 seconds += perf_counter() - start
+                if action is None:
+                    break
                 states.append(environment.simulate(states[-1], action))
             except (EnvironmentFailure, SkillFailure) as failure:
                 return outcome(f"step {number + 1} {step.skill.operator} failed: {failure}")

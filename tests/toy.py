@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 
 from symbolic.environment import Budget, Classifier, EnvironmentFailure, Split
-from symbolic.skills import Controller, Skill
+from symbolic.skills import Controller, NoSampler, Skill
 from symbolic.state import Array, State, Task
 from symbolic.structs import Object, Operator, Predicate, Type, Variable
 
@@ -37,14 +37,6 @@ class KeySampler:
 
     def sample(self, state: State, objects: tuple[Object, ...], rng: np.random.Generator) -> Array:
         return np.array([rng.uniform()], np.float32)
-
-
-@dataclass(frozen=True)
-class NoSampler:
-    dimension: int = 0
-
-    def sample(self, state: State, objects: tuple[Object, ...], rng: np.random.Generator) -> Array:
-        return np.zeros(0, np.float32)
 
 
 @dataclass(frozen=True)
@@ -83,6 +75,7 @@ class Toy:
     goal_predicates = frozenset({IS_OPEN})
     contact_predicates = frozenset({HAS_KEY, IS_OPEN})
     oracle_skills = tuple(SKILLS.values())
+    given_skills = ()
     action_low = np.array([0, 0], np.float32)
     action_high = np.array([1, 1], np.float32)
 
