@@ -43,8 +43,8 @@ class _Commands(click.Group):
 def program() -> None:
     """Learn skills from demonstrations, export them as PDDL, and plan with any planner.
 
-    Exit codes: 0 done, 1 differences found (replay), 2 wrong usage, 11 no plan exists, 12 plans exist but
-    none was refined within the limits, 36 bad input, 37 unsupported PDDL.
+    Exit codes: 0 done, 1 differences or faults found (replay, envs check), 2 wrong usage, 11 no plan
+    exists, 12 plans exist but none was refined within the limits, 36 bad input, 37 unsupported PDDL.
     """
 
 

@@ -2,6 +2,7 @@
 
 from importlib import import_module
 from pathlib import Path
+from typing import cast
 
 from symbolic.environment import Environment
 from symbolic.errors import InputError
@@ -19,19 +20,23 @@ def load(name: str) -> Environment:
     The attribute is an environment, or a class that needs no arguments.
     Raises InputError where there is none of that name.
     """
+    found = find(name)
+    missing = [a for a in dir(Environment) if not a.startswith("_") and not hasattr(found, a)]
+    if missing:
+        raise InputError(f"'{name}' is no environment: it has no {', '.join(missing)}")
+    return cast(Environment, found)
+
+
+def find(name: str) -> object:
+    """Return what is called like that, whether or not it is an environment; see ``load``."""
     if ":" not in name:
         if name not in names():
             have = ", ".join(names())
             raise InputError(f"unknown environment '{name}' (have: {have}, or MODULE:ATTRIBUTE)")
-        shipped: Environment = import_module(f"envs.{name}").ENVIRONMENT
-        return shipped
+        return import_module(f"envs.{name}").ENVIRONMENT
     module, _, attribute = name.partition(":")
     try:
         found = getattr(import_module(module), attribute)
-        environment: Environment = found() if isinstance(found, type) else found
+        return found() if isinstance(found, type) else found
     except Exception as error:  # whatever a stranger's module does at import
         raise InputError(f"cannot load environment '{name}': {type(error).__name__}: {error}") from error
-    missing = [a for a in dir(Environment) if not a.startswith("_") and not hasattr(environment, a)]
-    if missing:
-        raise InputError(f"'{name}' is no environment: it has no {', '.join(missing)}")
-    return environment

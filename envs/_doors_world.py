@@ -5,6 +5,7 @@ close cases cost geometry.
 """
 
 from collections.abc import Mapping
+from functools import lru_cache
 from math import cos, sin, sqrt, tanh
 
 import numpy as np
@@ -68,11 +69,23 @@ def _is_at(x: float, y: float, door: Features) -> bool:
 
 def joins(door: Features, room: Features) -> bool:
     """Say whether a door is one of a room's."""
-    if not (-GAP <= door[X] - room[X] - MARGIN <= ROOM_SIZE + GAP) or not (
-        -GAP <= door[Y] - room[Y] - MARGIN <= ROOM_SIZE + GAP
-    ):
+    far = ROOM_SIZE + GAP
+    if abs(door[X] - room[X]) > far or abs(door[Y] - room[Y]) > far:
         return False
-    return rectangles_meet(room_shape(room), door_shape(door))
+    return _joins(door[X], door[Y], door[THETA], room[X], room[Y])
+
+
+@lru_cache(maxsize=65_536)  # on a grid, the same few places come back all the time
+def _joins(x: float, y: float, theta: float, room_x: float, room_y: float) -> bool:
+    door = Rectangle(x, y, GAP, THICKNESS, theta)
+    return rectangles_meet(Rectangle(room_x, room_y, ROOM_SIZE, ROOM_SIZE), door)
+
+
+def rooms_of(state: State, door: Features) -> list[Features]:
+    """Return the rooms that a door joins, in canonical order."""
+    features, x, y, far = state.features, door[X], door[Y], ROOM_SIZE + GAP
+    rooms = [features[room.name] for room in state.by_type.get(ROOM.name, ())]
+    return [r for r in rooms if -far <= x - r[0] <= far and -far <= y - r[1] <= far and joins(door, r)]
 
 
 def solid_shapes(state: State) -> list[Rectangle]:
@@ -132,8 +145,7 @@ def _doors_share_room(state: State, objects: tuple[Object, ...]) -> bool:
     most = ROOM_SIZE + 2 * GAP
     if objects[0] == objects[1] or abs(one[X] - two[X]) > most or abs(one[Y] - two[Y]) > most:
         return False
-    rooms = (state.features[room.name] for room in state.by_type.get(ROOM.name, ()))
-    return any(joins(one, room) and joins(two, room) for room in rooms)
+    return any(joins(two, room) for room in rooms_of(state, one))
 
 
 def in_doorway(state: State, objects: tuple[Object, ...]) -> bool:

@@ -34,11 +34,11 @@ from envs._doors_world import (
     door_shape,
     doorway_of,
     in_doorway,
-    joins,
     opening_rotation,
     reaches,
     room_holds,
     room_shape,
+    rooms_of,
     simulate,
     solid_shapes,
 )
@@ -59,12 +59,6 @@ def _position_in_doorway(room: Features, door: Features) -> Point:
     if len(inside) != 2:
         raise SkillFailure("the doorway does not lie across the room's border")
     return (inside[0][0] + inside[1][0]) / 2, (inside[0][1] + inside[1][1]) / 2
-
-
-def _rooms_of(state: State, door: Features) -> list[Features]:
-    """Return the rooms that a door joins."""
-    rooms = (state.features[room.name] for room in state.by_type.get(ROOM.name, ()))
-    return [room for room in rooms if joins(door, room)]
 
 
 @lru_cache(maxsize=4096)  # once per start and target, however often a search comes back to it
@@ -99,7 +93,7 @@ class MoveToDoor:
         """Plan the motion; raise SkillFailure where there is none."""
         robot, door = objects
         x, y = state[robot]
-        room = next((r for r in _rooms_of(state, state[door]) if room_holds(r, x, y)), None)
+        room = next((r for r in rooms_of(state, state[door]) if room_holds(r, x, y)), None)
         if room is None:
             raise SkillFailure("the robot is in no room of the door")
         target = _position_in_doorway(room, state[door])
@@ -130,7 +124,7 @@ class MoveThroughDoor:
     def begin(self, state: State, objects: tuple[Object, ...], subgoal: Array) -> Controller:
         """Remember the room behind the door."""
         robot, door = objects
-        rooms = _rooms_of(state, state[door])
+        rooms = rooms_of(state, state[door])
         if len(rooms) != 2 or not in_doorway(state, objects) or not door_is_open(state, objects[1:]):
             raise SkillFailure("the robot is not at an open door between two rooms")
         other = rooms[1] if room_holds(rooms[0], *state[robot]) else rooms[0]

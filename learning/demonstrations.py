@@ -18,19 +18,21 @@ from symbolic.environment import Environment, sample_tasks
 from symbolic.errors import InputError
 from symbolic.execution import execute
 from symbolic.files import replacing
+from symbolic.skills import Label
 from symbolic.state import State, Task, Trajectory
 from symbolic.structs import GroundAtom, Object, Predicate, Type
 
-FORMAT = "bpns demonstrations 1"
+FORMAT = "bpns demonstrations 2"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Demonstration:
-    """A trajectory that solves a task."""
+    """A trajectory that solves a task; ``labels`` has one entry per action, None where no skill is given."""
 
     task_index: int
     task: Task
     trajectory: Trajectory
+    labels: tuple[Label | None, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +57,10 @@ def demonstrate(environment: Environment, seed: int, numbered: tuple[int, Task])
     if isinstance(plan, NoPlan):
         return plan.text
     execution = execute(environment, task, plan, whole=True)
-    return execution.fault or Demonstration(index, task, execution.trajectory)
+    if execution.fault:
+        return execution.fault
+    labels = tuple(plan.steps[step].skill.label for step in execution.steps)
+    return Demonstration(index, task, execution.trajectory, labels)
 
 
 def collect(
@@ -114,7 +119,9 @@ def write_demonstrations(path: Path, data: Demonstrations, environment: Environm
             file.attrs[key] = value if isinstance(value, (str, int)) else json.dumps(value)
         file.attrs["layout"] = (
             "demonstrations/N/states: (T+1, F) features of the objects in order; actions: (T, A); "
-            "attributes objects {name: type}, goal [[predicate, object, ...], ...], task (index)"
+            "given: (T,) which of the given skills produced an action, -1 for none; attributes "
+            "objects {name: type}, goal [[predicate, object, ...], ...], given_skills [[skill, object, ...], "
+            "...], task (index)"
         )
         for demonstration in data.demonstrations:
             group = file.create_group(f"demonstrations/{demonstration.task_index:06d}")
@@ -126,6 +133,11 @@ def write_demonstrations(path: Path, data: Demonstrations, environment: Environm
             group.attrs["goal"] = json.dumps(sorted(goal))
             group["states"] = np.array([s.vector(objects) for s in states], np.float64)
             group["actions"] = np.array(demonstration.trajectory.actions, np.float32)
+            labels = list(dict.fromkeys(label for label in demonstration.labels if label))
+            calls = [[label.skill, *(o.name for o in label.objects)] for label in labels]
+            group.attrs["given_skills"] = json.dumps(calls)
+            number = {label: i for i, label in enumerate(labels)}
+            group["given"] = np.array([number[a] if a else -1 for a in demonstration.labels], np.int32)
 
 
 def read_environment_name(path: Path) -> str:
@@ -201,12 +213,37 @@ def _read_one(group: h5py.Group, environment: Environment) -> Demonstration:
         raise ValueError(f"{group.name}: states {rows.shape} and actions {actions.shape} do not fit")
     if not (np.isfinite(rows).all() and np.isfinite(actions).all()):
         raise ValueError(f"{group.name}: a feature or action is no finite number")
-    ends = np.cumsum([len(o.type.features) for o in objects.values()])
-    states = []
-    for row in rows.tolist():
-        pieces = {
-            o: row[end - len(o.type.features) : end] for o, end in zip(objects.values(), ends, strict=True)
-        }
-        states.append(State.of(pieces))
+    ends = np.cumsum([len(o.type.features) for o in objects.values()]).tolist()
+    spans = {o: (end - len(o.type.features), end) for o, end in zip(objects.values(), ends, strict=True)}
+    values = rows.tolist()
+    states = [State.of({o: values[0][start:end] for o, (start, end) in spans.items()})]
+    names = [o.name for o in objects.values() for _ in o.type.features]  # of the object of each column
+    for before, after, row in zip(rows, rows[1:], values[1:], strict=False):  # most objects never change
+        changed = {names[column] for column in np.flatnonzero(before != after).tolist()}
+        pieces = {n: tuple(row[slice(*spans[objects[n]])]) for n in changed}
+        states.append(states[-1].changed(pieces))
     trajectory = Trajectory(tuple(states), tuple(actions.astype(np.float32)))
-    return Demonstration(int(group.attrs["task"]), Task(states[0], goal), trajectory)
+    labels = _read_labels(group, environment, objects)
+    if len(labels) != len(actions):
+        raise ValueError(f"{group.name}: {len(labels)} labels do not fit {len(actions)} actions")
+    return Demonstration(int(group.attrs["task"]), Task(states[0], goal), trajectory, labels)
+
+
+def _read_labels(
+    group: h5py.Group, environment: Environment, objects: dict[str, Object]
+) -> tuple[Label | None, ...]:
+    """Return the label of every action."""
+    given = {skill.name: skill for skill in environment.given_skills}
+    labels: list[Label | None] = []
+    for name, *arguments in json.loads(group.attrs["given_skills"]):
+        if name not in given:
+            raise ValueError(f"{group.name}: given skill '{name}' is none of '{environment.name}'")
+        label = Label(name, tuple(objects[o] for o in arguments))
+        if [o.type for o in label.objects] != list(given[name].types):
+            raise ValueError(f"{group.name}: {name} is not over {', '.join(arguments)}")
+        labels.append(label)
+    numbers = group["given"][()].tolist()
+    if not all(-1 <= number < len(labels) for number in numbers):
+        raise ValueError(f"{group.name}: a label is out of range")
+    labels.append(None)  # found as -1
+    return tuple(labels[number] for number in numbers)

@@ -3,7 +3,7 @@
 Source: spec, algorithm.md sections 4 and 5.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from learning.segmentation import Segment
@@ -28,15 +28,22 @@ class Member:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OperatorData:
-    """A learned operator and the segments that it was learned from."""
+    """A learned operator and the segments that it was learned from.
+
+    Where these are of a given skill, ``given`` names it and ``arguments`` are the parameters that it gets.
+    """
 
     operator: Operator
     members: tuple[Member, ...]
+    given: str | None = None
+    arguments: tuple[Variable, ...] = ()
 
 
 @dataclass(slots=True)
 class _Cluster:
     variables: tuple[Variable, ...]
+    given: str | None
+    arguments: tuple[Variable, ...]
     add_effects: frozenset[LiftedAtom]
     delete_effects: frozenset[LiftedAtom]
     members: list[Member] = field(default_factory=list)
@@ -45,8 +52,8 @@ class _Cluster:
 def learn_operators(segments: Sequence[Segment], min_share: float = 0.01) -> list[OperatorData]:
     """Return the operators with at least ``min_share`` of all segments, named Op<i> in order of discovery.
 
-    A segment joins the first cluster whose effects become its own under a one-to-one, type-preserving
-    map of variables to objects.
+    A segment joins the first cluster whose given skill, with its arguments, and whose effects become its
+    own under a one-to-one, type-preserving map of variables to objects.
     """
     clusters: list[_Cluster] = []
     for segment in segments:
@@ -67,6 +74,8 @@ def learn_operators(segments: Sequence[Segment], min_share: float = 0.01) -> lis
                 cluster.delete_effects,
             ),
             tuple(cluster.members),
+            cluster.given,
+            cluster.arguments,
         )
         for number, cluster in enumerate(clusters)
         if len(cluster.members) >= len(segments) * min_share
@@ -75,10 +84,13 @@ def learn_operators(segments: Sequence[Segment], min_share: float = 0.01) -> lis
 
 def _new_cluster(segment: Segment) -> _Cluster:
     effects = segment.add_effects | segment.delete_effects
-    objects = canonical_order({o for atom in effects for o in atom.objects})
+    arguments = segment.label.objects if segment.label else ()
+    objects = canonical_order({o for atom in effects for o in atom.objects} | set(arguments))
     lift = {o: Variable(f"?x{i}", o.type) for i, o in enumerate(objects)}
     return _Cluster(
         tuple(lift.values()),
+        segment.label.skill if segment.label else None,
+        tuple(lift[o] for o in arguments),
         frozenset(_lifted(atom, lift) for atom in segment.add_effects),
         frozenset(_lifted(atom, lift) for atom in segment.delete_effects),
         [Member(segment, objects)],
@@ -102,7 +114,12 @@ def _preconditions(cluster: _Cluster) -> frozenset[LiftedAtom]:
 
 
 def _match(cluster: _Cluster, segment: Segment) -> dict[Variable, Object] | None:
-    """Return a map under which the cluster's effects are the segment's, or None."""
+    """Return a map under which the cluster's skill and effects are the segment's, or None."""
+    if cluster.given != (segment.label.skill if segment.label else None):
+        return None
+    start = _bind({}, cluster.arguments, segment.label.objects if segment.label else ())
+    if start is None:
+        return None
     pairs = []
     for lifted, ground in (
         (cluster.add_effects, segment.add_effects),
@@ -112,7 +129,7 @@ def _match(cluster: _Cluster, segment: Segment) -> dict[Variable, Object] | None
             return None
         pairs.append((sort_atoms(lifted), sort_atoms(ground)))
     (added, adds), (deleted, deletes) = pairs
-    return _extend({}, added, adds, deleted, deletes)
+    return _extend(start, added, adds, deleted, deletes)
 
 
 def _extend(
@@ -139,10 +156,15 @@ def _unify(
     lifted: LiftedAtom, atom: GroundAtom, found: Mapping[Variable, Object]
 ) -> dict[Variable, Object] | None:
     """Extend a one-to-one, type-preserving map so that the lifted atom becomes the ground one."""
-    if lifted.predicate != atom.predicate:
-        return None
+    return _bind(found, lifted.terms, atom.objects) if lifted.predicate == atom.predicate else None
+
+
+def _bind(
+    found: Mapping[Variable, Object], terms: Iterable[Variable | Object], objects: Iterable[Object]
+) -> dict[Variable, Object] | None:
+    """Extend a one-to-one, type-preserving map so that the variables become the objects."""
     extended = dict(found)
-    for variable, obj in zip(lifted.terms, atom.objects, strict=True):
+    for variable, obj in zip(terms, objects, strict=True):
         assert isinstance(variable, Variable)  # learned operators mention no constants
         if variable in extended:
             if extended[variable] != obj:

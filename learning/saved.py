@@ -22,11 +22,19 @@ from symbolic.errors import InputError
 from symbolic.files import check_output, read_json, replacing_folder, write_json
 from symbolic.pddl.read import read_domain
 from symbolic.pddl.write import model_names, write_domain
-from symbolic.skills import Skill
+from symbolic.skills import GivenPolicy, Skill
 from symbolic.structs import Domain, LiftedAtom, Object, Operator, Variable
 
 FORMAT = "bpns model 1"
 FILES = ("domain.pddl", "skills.json", "skills.safetensors", "run.json")
+
+
+class GivenEntry(BaseModel):
+    """Which of the environment's given skills a skill uses, and the parameters that it gets."""
+
+    model_config = ConfigDict(extra="forbid")
+    skill: str
+    arguments: list[str]
 
 
 class SkillEntry(BaseModel):
@@ -39,6 +47,7 @@ class SkillEntry(BaseModel):
     segments: int  # that it was learned from
     demonstrations: int  # that these segments are of
     training: dict[Part, tuple[float, int]]  # network -> best loss, iterations
+    given: GivenEntry | None = None  # instead of learned networks
 
 
 class ModelFile(BaseModel):
@@ -90,7 +99,7 @@ def write_model(
             for skill, e in skills
         }
         (temporary / "domain.pddl").write_text(write_domain(domain, header, comments), encoding="utf-8")
-        tensors = {n: t for skill, _ in skills for n, t in _tensors(skill).items()}
+        tensors = {n: t for skill, entry in skills if not entry.given for n, t in _tensors(skill).items()}
         (temporary / "skills.safetensors").write_bytes(save(tensors))
         entries = {skill.operator.name: entry for skill, entry in skills}
         file = ModelFile(
@@ -123,14 +132,22 @@ def entry_of(
 ) -> SkillEntry:
     """Describe a learned skill for skills.json."""
     parameters = skill.operator.parameters
-    assert isinstance(skill.policy, LearnedPolicy)
+    changing: Changing = ()
+    given = None
+    if isinstance(skill.policy, GivenPolicy):
+        arguments = [parameters[place].name for place in skill.policy.places]
+        given = GivenEntry(skill=skill.policy.given.name, arguments=arguments)
+    else:
+        assert isinstance(skill.policy, LearnedPolicy)
+        changing = skill.policy.changing
     return SkillEntry(
         parameters=[(v.name, v.type.name) for v in parameters],
-        subgoal=[(parameters[p].name, parameters[p].type.features[f]) for p, f in skill.policy.changing],
+        subgoal=[(parameters[p].name, parameters[p].type.features[f]) for p, f in changing],
         max_actions=skill.max_actions,
         segments=segments,
         demonstrations=demonstrations,
         training=dict(training),
+        given=given,
     )
 
 
@@ -274,6 +291,8 @@ def _skill(
             f"{folder / 'domain.pddl'}: {operator.name} has parameters of types ({', '.join(found)}), "
             f"but its weights need ({', '.join(wanted)}): restore them, or learn again"
         )
+    if entry.given is not None:
+        return _given(operator, entry, entry.given, environment, folder)
     changing = _changing(operator, entry, folder)
     size = sum(len(v.type.features) for v in operator.parameters) + 1
     dimension, actions = len(changing), len(environment.action_low)
@@ -311,6 +330,29 @@ def _skill(
         discriminator = network("discriminator", size + dimension, 1)
     sampler = LearnedSampler.of(changing, generator, scaling("generator.outputs", dimension), discriminator)
     return Skill(operator, policy, sampler, max_actions=entry.max_actions)
+
+
+def _given(
+    operator: Operator, entry: SkillEntry, chosen: GivenEntry, environment: Environment, folder: Path
+) -> Skill:
+    """Put a skill together whose policy is given; parameters count by place, as in ``_changing``."""
+    path = folder / "skills.json"
+    given = next((g for g in environment.given_skills if g.name == chosen.skill), None)
+    if given is None:
+        have = ", ".join(g.name for g in environment.given_skills) or "none"
+        raise InputError(
+            f"{path}: {operator.name}: '{chosen.skill}' is no given skill of '{environment.name}' "
+            f"(have: {have})"
+        )
+    names = [name for name, _ in entry.parameters]
+    if not set(chosen.arguments) <= set(names):
+        raise InputError(f"{path}: {operator.name}: arguments of {chosen.skill} are not among its parameters")
+    arguments = tuple(operator.parameters[names.index(name)] for name in chosen.arguments)
+    if [v.type for v in arguments] != list(given.types):
+        raise InputError(
+            f"{path}: {operator.name}: {chosen.skill} does not take ({', '.join(chosen.arguments)})"
+        )
+    return Skill.of_given(operator, given, arguments)
 
 
 def _changing(operator: Operator, entry: SkillEntry, folder: Path) -> Changing:

@@ -1,8 +1,10 @@
 """Cutting demonstrations where contacts change. Source: spec, algorithm.md sections 2 and 3."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from symbolic.environment import Environment, abstract
+from symbolic.skills import Label
 from symbolic.state import Trajectory
 from symbolic.structs import GroundAtom
 
@@ -14,6 +16,7 @@ class Segment:
     trajectory: Trajectory
     init_atoms: frozenset[GroundAtom]
     final_atoms: frozenset[GroundAtom]
+    label: Label | None = None  # of its last action: the given skill, if it was one
 
     @property
     def add_effects(self) -> frozenset[GroundAtom]:
@@ -26,15 +29,20 @@ class Segment:
         return self.init_atoms - self.final_atoms
 
 
-def segment(environment: Environment, trajectory: Trajectory) -> list[Segment]:
-    """Cut after each action that changes the contact atoms; what follows the last change is dropped."""
-    atoms = [abstract(environment, state) for state in trajectory.states]
-    contacts = [{a for a in at if a.predicate in environment.contact_predicates} for at in atoms]
+def segment(
+    environment: Environment, trajectory: Trajectory, labels: Sequence[Label | None]
+) -> list[Segment]:
+    """Cut after each action that changes the contact atoms; what follows the last change is dropped.
+
+    ``labels`` has one entry per action. Other atoms are asked for only where a segment begins or ends.
+    """
+    contacts = [abstract(environment, s, environment.contact_predicates) for s in trajectory.states]
     segments = []
-    start = 0
-    for end in range(1, len(atoms)):
+    start, atoms = 0, abstract(environment, trajectory.states[0])
+    for end in range(1, len(contacts)):
         if contacts[end] != contacts[end - 1]:
             piece = Trajectory(trajectory.states[start : end + 1], trajectory.actions[start:end])
-            segments.append(Segment(piece, atoms[start], atoms[end]))
-            start = end
+            final = abstract(environment, trajectory.states[end])
+            segments.append(Segment(piece, atoms, final, labels[end - 1]))
+            start, atoms = end, final
     return segments

@@ -95,16 +95,17 @@ def learn_skills(
     one computation, their products would cost about a tenth less (benchmarks/training.py) if they had equal
     numbers of rows and stopped together; padding costs more than that.
     """
-    by_demonstration = [segment(environment, d.trajectory) for d in data.demonstrations]
+    by_demonstration = [segment(environment, d.trajectory, d.labels) for d in data.demonstrations]
     segments = [s for found in by_demonstration for s in found]
     if not segments:
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no segment")
     operators = learn_operators(segments, config.min_share)
-    changing = [changing_features(operator) for operator in operators]
+    changing = [() if operator.given else changing_features(operator) for operator in operators]
     rng = np.random.default_rng(seed)
     jobs = [
         job
         for number, (operator, features) in enumerate(zip(operators, changing, strict=True))
+        if operator.given is None
         for job in _jobs(number, operator, features, config, rng)
     ]
     fitted: dict[tuple[int, Part], tuple[Fitted, Scaling]] = {}
@@ -112,12 +113,16 @@ def learn_skills(
     for done, (job, result) in enumerate(zip(jobs, results, strict=True), 1):
         fitted[job.operator, job.part] = result, job.scaling
         progress(done, len(jobs))
+    given = {skill.name: skill for skill in environment.given_skills}
     box = environment.action_low, environment.action_high
     owner = {id(s): number for number, found in enumerate(by_demonstration) for s in found}
     learned = []
     for number, (operator, features) in enumerate(zip(operators, changing, strict=True)):
         own = {part: result for (n, part), result in fitted.items() if n == number}
-        skill = _assemble(operator, features, own, box, config.patience)
+        if operator.given:
+            skill = Skill.of_given(operator.operator, given[operator.given], operator.arguments)
+        else:
+            skill = _assemble(operator, features, own, box, config.patience)
         support = len({owner[id(member.segment)] for member in operator.members})
         fits = {part: (result.loss, result.iterations) for part, (result, _) in own.items()}
         learned.append(LearnedSkill(skill, len(operator.members), support, fits))

@@ -104,7 +104,7 @@ def solve(
             [GroundSkill(skills[step.operator.name], step) for step in abstract.steps],
             abstract.atoms,
             budget.samples_per_step,
-            budget.samples,
+            min(budget.samples, refining.samples + budget.samples_per_plan),
             limit,
             np.random.default_rng(seed),
             refining,

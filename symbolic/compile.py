@@ -1,6 +1,7 @@
 """A ground problem as numbered atoms and bit masks: what search and heuristics work on."""
 
-from collections.abc import Iterable
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from symbolic.grounding import GroundProblem
@@ -83,3 +84,27 @@ def compile_problem(ground: GroundProblem) -> CompiledProblem:
     return CompiledProblem(
         atoms, constant, operators, mask(problem.init), mask(problem.goal), mask(problem.negative_goal)
     )
+
+
+def applicable_operators(problem: CompiledProblem) -> Callable[[int], list[int]]:
+    """Return a function that lists the operators applicable in a state, ascending.
+
+    It looks only at operators that wait for an atom of the state: each waits for its precondition that
+    fewest operators share.
+    """
+    preconditions = [bits(o.preconditions) for o in problem.operators]
+    shared = Counter(atom for atoms in preconditions for atom in atoms)
+    waiting: dict[int, list[int]] = defaultdict(list)
+    always = []
+    for number, atoms in enumerate(preconditions):
+        if atoms:
+            waiting[min(atoms, key=lambda atom: shared[atom])].append(number)
+        else:
+            always.append(number)
+    watched = sum(1 << atom for atom in waiting)
+
+    def find(state: int) -> list[int]:
+        candidates = [*always, *(number for atom in bits(state & watched) for number in waiting[atom])]
+        return sorted(number for number in candidates if problem.operators[number].applicable(state))
+
+    return find

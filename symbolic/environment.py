@@ -1,6 +1,6 @@
 """What an environment offers: the only view of a world that planners and learners have."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
@@ -29,11 +29,13 @@ class EnvironmentFailure(Exception):
 class Budget:
     """How much a search may try on one task: counted, not timed, so that results repeat anywhere.
 
-    The first two are the paper's (N_abstract, N_samples). The totals stand in for its wall-clock limit.
+    The first two are the paper's (N_abstract, N_samples). The others stand in for its wall-clock limit:
+    backtracking through a plan of n steps can take samples_per_step to the power of n samples.
     """
 
     abstract_plans: int
     samples_per_step: int
+    samples_per_plan: int = 1000
     samples: int = 20_000
     nodes: int = 500_000
 
@@ -79,14 +81,18 @@ def holds(environment: Environment, atom: GroundAtom, state: State) -> bool:
     return environment.classifiers[atom.predicate](state, atom.objects)
 
 
-def abstract(environment: Environment, state: State) -> frozenset[GroundAtom]:
-    """Return all ground atoms that hold, over all argument tuples of fitting types.
+def abstract(
+    environment: Environment, state: State, predicates: Collection[Predicate] | None = None
+) -> frozenset[GroundAtom]:
+    """Return all ground atoms that hold, over all argument tuples of fitting types; or of some predicates.
 
     Source: spec, algorithm.md section 2.
     """
     atoms: list[GroundAtom] = []
     for predicate, classifier in environment.classifiers.items():
-        places = [[o for o in state.objects if o.type.is_a(t)] for t in predicate.types]
+        if predicates is not None and predicate not in predicates:
+            continue
+        places = [state.of_type(t) for t in predicate.types]
         atoms += [
             GroundAtom(predicate, objects) for objects in product(*places) if classifier(state, objects)
         ]

@@ -1,7 +1,7 @@
 """Delete-relaxation heuristics on compiled problems: how far is the goal if nothing is ever deleted.
 
-``lmcut`` never overestimates; ``hadd`` and ``hff`` may. All ignore negative preconditions and goals, which
-keeps ``lmcut`` admissible. A value of infinity proves that the goal cannot be reached.
+``LmCut`` never overestimates; ``hadd`` and ``hff`` may. All ignore negative preconditions and goals, which
+keeps ``LmCut`` admissible. A value of infinity proves that the goal cannot be reached.
 """
 
 from collections.abc import Callable
@@ -25,6 +25,7 @@ class Relaxed:
         self.preconditions.append(bits(problem.goal) or [self.true])
         self.effects = [bits(o.add & ~o.preconditions) for o in problem.operators] + [[self.goal]]
         self.costs = [1.0] * len(problem.operators) + [0.0]
+        self.missing = [len(p) for p in self.preconditions]
         self.users: list[list[int]] = [[] for _ in range(self.facts)]
         for number, facts in enumerate(self.preconditions):
             for fact in facts:
@@ -34,18 +35,12 @@ class Relaxed:
         """Return the facts of a state."""
         return [*bits(state), self.true]
 
-    def explore(
-        self, state: int, costs: list[float], *, add: bool
-    ) -> tuple[list[float], list[int], list[int]]:
-        """Return each fact's value and achiever, and each operator's most expensive precondition.
-
-        An operator's value is the sum (``add``) or the maximum of its preconditions' values.
-        """
+    def sums(self, state: int) -> tuple[list[float], list[int]]:
+        """Return each fact's cost and achiever, where several facts cost the sum of each one's cost."""
         value = [inf] * self.facts
         achiever = [-1] * self.facts
-        supporter = [-1] * len(costs)
-        missing = [len(p) for p in self.preconditions]
-        sums = [0.0] * len(costs)
+        missing = self.missing.copy()
+        sums = self.costs.copy()
         heap: list[tuple[float, int]] = []
         for fact in self.start(state):
             value[fact] = 0
@@ -60,20 +55,19 @@ class Relaxed:
                 sums[number] += cost
                 if missing[number]:
                     continue
-                supporter[number] = fact  # facts leave the heap by value: the last one is the maximum
-                reached = costs[number] + (sums[number] if add else cost)
+                reached = sums[number]
                 for effect in self.effects[number]:
                     if reached < value[effect]:
                         value[effect] = reached
                         achiever[effect] = number
                         heappush(heap, (reached, effect))
-        return value, achiever, supporter
+        return value, achiever
 
 
 def hadd(problem: CompiledProblem) -> Heuristic:
     """Sum of the goal atoms' relaxed costs."""
     relaxed = Relaxed(problem)
-    return lambda state: relaxed.explore(state, relaxed.costs, add=True)[0][relaxed.goal]
+    return lambda state: relaxed.sums(state)[0][relaxed.goal]
 
 
 def hff(problem: CompiledProblem) -> Heuristic:
@@ -81,7 +75,7 @@ def hff(problem: CompiledProblem) -> Heuristic:
     relaxed = Relaxed(problem)
 
     def evaluate(state: int) -> float:
-        value, achiever, _ = relaxed.explore(state, relaxed.costs, add=True)
+        value, achiever = relaxed.sums(state)
         if value[relaxed.goal] == inf:
             return inf
         plan: set[int] = set()
@@ -96,61 +90,128 @@ def hff(problem: CompiledProblem) -> Heuristic:
     return evaluate
 
 
-def lmcut(problem: CompiledProblem) -> Heuristic:
-    """Sum of the costs of disjunctive action landmarks; admissible.
+class LmCut:
+    """Number of disjoint sets of operators (landmarks) of which every plan uses one each; admissible.
 
-    Source: Helmert and Domshlak, Landmarks, critical paths and abstractions, ICAPS 2009.
+    A landmark of a state is one of its successor too unless it contains the operator between them. Looking
+    for landmarks starts from those, so that a search pays for the few that are new, not for all.
+
+    Source: Helmert and Domshlak, Landmarks, critical paths and abstractions, ICAPS 2009; Pommerening and
+    Helmert, Incremental LM-cut, ICAPS 2013.
     """
-    relaxed = Relaxed(problem)
-    achievers: list[list[int]] = [[] for _ in range(relaxed.facts)]
-    for number, effects in enumerate(relaxed.effects):
-        for effect in effects:
-            achievers[effect].append(number)
 
-    def evaluate(state: int) -> float:
-        costs = list(relaxed.costs)
-        total = 0.0
+    def __init__(self, problem: CompiledProblem) -> None:
+        self.relaxed = Relaxed(problem)
+        self.landmarks: dict[int, tuple[frozenset[int], ...]] = {}  # state -> found so far; mostly shared
+        self.achievers: list[list[int]] = [[] for _ in range(self.relaxed.facts)]
+        for number, effects in enumerate(self.relaxed.effects):
+            for effect in effects:
+                self.achievers[effect].append(number)
+
+    def inherit(self, state: int, parent: int, operator: int) -> float:
+        """Return a lower bound for a new state at hardly any cost; a later call of it starts from there.
+
+        The parent must have been called.
+        """
+        known = self.landmarks[parent]
+        kept = tuple(landmark for landmark in known if operator not in landmark)
+        self.landmarks[state] = known if len(kept) == len(known) else kept
+        return len(kept)
+
+    def __call__(self, state: int) -> float:
+        """Return the number of landmarks, infinity where the goal cannot be reached."""
+        relaxed = self.relaxed
+        landmarks = list(self.landmarks.get(state, ()))
+        free = bytearray(len(relaxed.costs))  # operators in a landmark, which cost nothing from then on
+        free[-1] = 1  # the one that reaches the goal
+        for landmark in landmarks:
+            for number in landmark:
+                free[number] = 1
         while True:
-            value, _, supporter = relaxed.explore(state, costs, add=False)
-            if value[relaxed.goal] == inf:
+            level, missing = self._levels(state, free)
+            if level[relaxed.goal] == inf:
                 return inf
-            if value[relaxed.goal] == 0:
-                return total
-            zone = {relaxed.goal}  # facts from which the goal follows at no cost
-            stack = [relaxed.goal]
-            while stack:
-                for number in achievers[stack.pop()]:
-                    fact = supporter[number]
-                    if fact >= 0 and costs[number] == 0 and fact not in zone:
-                        zone.add(fact)
-                        stack.append(fact)
-            cut = _cut(relaxed, state, supporter, zone)
-            cheapest = min(costs[number] for number in cut)
-            total += cheapest
+            if level[relaxed.goal] == 0:
+                self.landmarks[state] = tuple(landmarks)
+                return len(landmarks)
+            supporter = self._supporters(level, missing)
+            cut = self._cut(state, supporter, self._zone(supporter, free))
+            landmarks.append(cut)
             for number in cut:
-                costs[number] -= cheapest
+                free[number] = 1
 
-    return evaluate
+    def _levels(self, state: int, free: bytearray) -> tuple[list[float], list[int]]:
+        """Return each fact's cost, that of several being the highest, and how many each operator lacks.
+
+        Ends once the goal is free.
+        """
+        relaxed = self.relaxed
+        level = [inf] * relaxed.facts
+        missing = relaxed.missing.copy()
+        now, cost = relaxed.start(state), 0
+        for fact in now:
+            level[fact] = 0
+        while now and level[relaxed.goal]:
+            later: list[int] = []
+            for fact in now:  # which grows meanwhile
+                if level[fact] < cost:
+                    continue
+                for number in relaxed.users[fact]:
+                    missing[number] -= 1
+                    if missing[number]:
+                        continue
+                    reached, reachable = (cost, now) if free[number] else (cost + 1, later)
+                    for effect in relaxed.effects[number]:
+                        if level[effect] > reached:
+                            level[effect] = reached
+                            reachable.append(effect)
+            now, cost = later, cost + 1
+        return level, missing
+
+    def _supporters(self, level: list[float], missing: list[int]) -> list[int]:
+        """Return each operator's most expensive precondition, -1 where one is out of reach.
+
+        Of several such, the last by number, and so one with the last predicate by name: where operators
+        choose alike, each set holds fewer of them and there are more sets.
+        """
+        supporter = [-1] * len(missing)
+        for fact in sorted((f for f in range(len(level)) if level[f] < inf), key=level.__getitem__):
+            for number in self.relaxed.users[fact]:
+                supporter[number] = fact
+        return [-1 if lacks else fact for lacks, fact in zip(missing, supporter, strict=True)]
+
+    def _zone(self, supporter: list[int], free: bytearray) -> set[int]:
+        """Return the facts from which the goal follows at no cost."""
+        stack = [self.relaxed.goal]
+        zone = set(stack)
+        while stack:
+            for number in self.achievers[stack.pop()]:
+                fact = supporter[number]
+                if fact >= 0 and free[number] and fact not in zone:
+                    zone.add(fact)
+                    stack.append(fact)
+        return zone
+
+    def _cut(self, state: int, supporter: list[int], zone: set[int]) -> frozenset[int]:
+        """Return the operators that lead from the facts reached outside the zone into it."""
+        relaxed = self.relaxed
+        stack = relaxed.start(state)
+        seen = set(stack)
+        cut = []
+        while stack:
+            fact = stack.pop()
+            for number in relaxed.users[fact]:
+                if supporter[number] != fact:
+                    continue
+                effects = relaxed.effects[number]
+                if not zone.isdisjoint(effects):
+                    cut.append(number)
+                    continue
+                for effect in effects:
+                    if effect not in seen:
+                        seen.add(effect)
+                        stack.append(effect)
+        return frozenset(cut)
 
 
-def _cut(relaxed: Relaxed, state: int, supporter: list[int], zone: set[int]) -> list[int]:
-    """Return the operators that lead from the facts reached outside the zone into it."""
-    stack = relaxed.start(state)
-    seen = set(stack)
-    cut = []
-    while stack:
-        fact = stack.pop()
-        for number in relaxed.users[fact]:
-            if supporter[number] != fact:
-                continue
-            if any(effect in zone for effect in relaxed.effects[number]):
-                cut.append(number)
-                continue
-            for effect in relaxed.effects[number]:
-                if effect not in seen:
-                    seen.add(effect)
-                    stack.append(effect)
-    return cut
-
-
-HEURISTICS: dict[str, Callable[[CompiledProblem], Heuristic]] = {"lmcut": lmcut, "hadd": hadd, "hff": hff}
+HEURISTICS: dict[str, Callable[[CompiledProblem], Heuristic]] = {"lmcut": LmCut, "hadd": hadd, "hff": hff}

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from symbolic.environment import Environment, holds
 from symbolic.planners import Limit
 from symbolic.skills import Failed, GroundSkill, NotInitiable
 from symbolic.state import Array, State, Trajectory
-from symbolic.structs import GroundAtom, sort_atoms
+from symbolic.structs import GroundAtom, GroundOperator, sort_atoms
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,12 +33,27 @@ class DeadEnd:
     reason: str
 
 
+class _Attempt(NamedTuple):
+    """All that the outcome of an attempt depends on, given the environment. States count as objects."""
+
+    state: State
+    actions: int  # before it
+    operator: GroundOperator
+    subgoal: bytes
+    expected: frozenset[GroundAtom]
+
+
 @dataclass(slots=True)
 class RefinementRecord:
-    """What refining has cost so far and where it failed."""
+    """What refining has cost so far and where it failed.
+
+    ``known`` keeps what came of each attempt. Plans often begin with the same steps, and as each plan is
+    refined with the same random numbers, these lead to the same states, objects in memory and all.
+    """
 
     samples: int = 0
     dead_ends: Counter[DeadEnd] = field(default_factory=Counter)
+    known: dict["_Attempt", "RefinedStep | str"] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +65,7 @@ class Refiner:
     steps: Sequence[GroundSkill]
     expected: Sequence[frozenset[GroundAtom]]  # the atoms that must hold after 0, 1, ... steps
     samples_per_step: int
-    max_samples: int  # over all plans of the task
+    max_samples: int  # by the record's count, which is over all plans of the task
     limit: Limit
     rng: np.random.Generator
     record: RefinementRecord
@@ -77,13 +93,20 @@ class Refiner:
                 self.record.dead_ends[DeadEnd(self.plan_number, step + 1, operator, attempt)] += 1
 
     def attempt(self, state: State, step: int, actions: int) -> RefinedStep | str:
-        """Sample a subgoal and roll the skill out; return the step, or why it is a dead end."""
+        """Sample a subgoal and pursue it; return the step, or why it is a dead end."""
         skill = self.steps[step]
         self.record.samples += 1
         subgoal = skill.skill.sampler.sample(state, skill.operator.objects, self.rng)
-        left = self.environment.horizon - actions
+        key = _Attempt(state, actions, skill.operator, subgoal.tobytes(), self.expected[step + 1])
+        if key not in self.record.known:
+            self.record.known[key] = self.carry_out(skill, subgoal, key)
+        return self.record.known[key]
+
+    def carry_out(self, skill: GroundSkill, subgoal: Array, given: _Attempt) -> RefinedStep | str:
+        """Roll a skill out; return the step, or why it is a dead end."""
+        left = self.environment.horizon - given.actions
         most = min(self.environment.rollout_limit, left + 1)  # one more than fits shows that it does not fit
-        rollout = skill.roll_out(self.environment, state, subgoal, most)
+        rollout = skill.roll_out(self.environment, given.state, subgoal, most)
         if isinstance(rollout, NotInitiable):
             return "not initiable"
         if isinstance(rollout, Failed):
@@ -94,7 +117,7 @@ class Refiner:
         if len(trajectory.actions) > left:
             return "horizon"
         last = trajectory.states[-1]
-        missing = [a for a in self.expected[step + 1] if not holds(self.environment, a, last)]
+        missing = [a for a in given.expected if not holds(self.environment, a, last)]
         if missing:
             return f"missing {', '.join(map(str, sort_atoms(missing)))}{' (stuck)' if rollout.stuck else ''}"
         return RefinedStep(skill, subgoal, trajectory)

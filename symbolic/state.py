@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.structs import GroundAtom, Object, canonical_order
+from symbolic.structs import GroundAtom, Object, Type, canonical_order
 
 Array: TypeAlias = NDArray[np.floating]
 Features: TypeAlias = tuple[float, ...]
@@ -41,6 +41,11 @@ class State:
 
     def __getitem__(self, obj: Object) -> Features:
         return self.features[obj.name]
+
+    def of_type(self, type_: Type) -> tuple[Object, ...]:
+        """Return the objects of a type or one derived from it, in canonical order."""
+        found = [objects for objects in self.by_type.values() if objects[0].type.is_a(type_)]
+        return found[0] if len(found) == 1 else canonical_order(o for objects in found for o in objects)
 
     def changed(self, changes: Mapping[str, Features]) -> "State":
         """Return a copy in which the named objects have other features."""

@@ -11,9 +11,11 @@ MAY_IMPORT = {
     "envs": {"envs", "symbolic"},
     "learning": {"learning", "symbolic"},
     "cli": {"cli", "envs", "learning", "symbolic", "bpns"},
+    "bpns": {"bpns", "cli", "envs", "symbolic"},
 }
 ONLY_IN = {
     "torch": {"learning/training.py"},
+    "gymnasium": {"bpns/gymnasium.py"},
     "pyperplan": {"symbolic/planners/pyperplan.py"},
     "unified_planning": set(),
     "pickle": set(),

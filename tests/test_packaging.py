@@ -22,6 +22,7 @@ def test_the_wheel_runs_without_the_checkout(tmp_path: Path) -> None:
         f"import sys; sys.path.insert(0, {str(target)!r})\n"
         "import bpns, symbolic, envs, learning, cli\n"
         "assert all('site' in m.__file__ for m in (bpns, symbolic, envs, learning, cli))\n"
+        "import gymnasium; assert gymnasium.make('bpns.gymnasium:bpns/Cover-v0').reset(seed=0)\n"
         "sys.argv = ['bpns', 'plan', '--oracle', 'cover']; bpns.main()\n"
     )
     done = subprocess.run(

@@ -31,6 +31,10 @@ UNLOCK = Operator(
 )
 
 
+def _first_feature_is_positive(state: State, objects: tuple[Object, ...]) -> bool:
+    return state[objects[0]][0] > 0
+
+
 @dataclass(frozen=True)
 class KeySampler:
     dimension: int = 1
@@ -68,8 +72,8 @@ class Toy:
     types = (HAND, DOOR)
     classifiers: Mapping[Predicate, Classifier] = field(
         default_factory=lambda: {
-            HAS_KEY: lambda state, objects: state[objects[0]][0] > 0,
-            IS_OPEN: lambda state, objects: state[objects[0]][0] > 0,
+            HAS_KEY: _first_feature_is_positive,
+            IS_OPEN: _first_feature_is_positive,
         }
     )
     goal_predicates = frozenset({IS_OPEN})
@@ -81,6 +85,8 @@ class Toy:
 
     def simulate(self, state: State, action: Array) -> State:
         kind, value = action.tolist()
+        if not (0 <= kind <= 1 and 0 <= value <= 1):
+            raise ValueError(f"action {action.tolist()} is not in the box (kind and value in [0, 1])")
         key, step = state[HAND_0]
         if kind == 0:
             if value < self.fails_below:

@@ -7,15 +7,13 @@ from symbolic.errors import InputError
 from symbolic.pddl.vocabulary import NAME, NO_PREDICATES
 from symbolic.structs import (
     OBJECT,
-    Atom,
     Domain,
+    GroundAtom,
     LiftedAtom,
-    Object,
     Operator,
     Predicate,
     Problem,
     Type,
-    Variable,
     sort_atoms,
 )
 
@@ -46,8 +44,6 @@ def model_names(domain: Domain, problem: Problem | None = None) -> dict[str, str
             raise InputError(f"two {kind}s are called '{low}' in PDDL, which ignores case: rename one")
         if spelled.get(low, name) != name:
             raise InputError(f"'{name}' and '{spelled[low]}' are both '{low}' in PDDL: rename one")
-        if {kind, *others} >= {"type", "object"}:
-            raise InputError(f"'{name}' names a type and an object: rename one")
         spelled[low] = name
         others.add(kind)
     for title in [domain.name] + ([problem.name] if problem else []):
@@ -63,6 +59,25 @@ def model_names(domain: Domain, problem: Problem | None = None) -> dict[str, str
             names = ", ".join(v.name for v in operator.parameters)
             raise InputError(f"{operator.name}: PDDL cannot tell its parameters {names} apart: rename one")
     return spelled
+
+
+def object_names(problem: Problem, domain: Domain) -> dict[str, str]:
+    """Return how a problem's objects are called in PDDL: one with the name of a type gets a longer name.
+
+    PDDL could tell them apart, but unified-planning cannot. Raises InputError as ``model_names``.
+    """
+    model_names(domain, problem)
+    types = {t.name.lower() for t in domain.types}
+    taken = types | {o.name.lower() for o in problem.objects}
+    names = {}
+    for obj in problem.objects:
+        name = obj.name.lower()
+        if name in types:
+            while name in taken:
+                name += "-object"
+            taken.add(name)
+        names[obj.name] = name
+    return names
 
 
 def write_domain(domain: Domain, header: str = "", comments: Mapping[str, str] | None = None) -> str:
@@ -87,17 +102,24 @@ def write_domain(domain: Domain, header: str = "", comments: Mapping[str, str] |
 
 
 def write_problem(problem: Problem, domain: Domain, header: str = "") -> str:
-    """Return a problem as PDDL text."""
-    model_names(domain, problem)
-    goal = [_atom(a) for a in sort_atoms(problem.goal)]
-    goal += [f"(not {_atom(a)})" for a in sort_atoms(problem.negative_goal)]
-    pairs = [(o.name.lower(), o.type) for o in problem.objects]
+    """Return a problem as PDDL text, with the objects' names of ``object_names``."""
+    names = object_names(problem, domain)
+
+    def written(atoms: Iterable[GroundAtom]) -> list[str]:
+        rows = (
+            [a.predicate.name.lower(), *(names.get(o.name, o.name.lower()) for o in a.objects)]
+            for a in sort_atoms(atoms)
+        )
+        return [f"({' '.join(row)})" for row in rows]
+
+    goal = written(problem.goal) + [f"(not {text})" for text in written(problem.negative_goal)]
+    pairs = [(names[o.name], o.type) for o in problem.objects]
     lines = _comment(header, "")
     lines += [f"(define (problem {problem.name.lower()})", f"  (:domain {domain.name.lower()})"]
     if problem.negative_goal:
         lines.append(f"  (:requirements {' '.join(_requirements(domain, negative=True))})")
     lines += _section("objects", _typed(pairs) if domain.types else [name for name, _ in pairs])
-    lines += _section("init", [_atom(a) for a in sort_atoms(problem.init)])
+    lines += _section("init", written(problem.init))
     lines += [f"  (:goal {_conjunction(goal, '    ')}))"]
     return "\n".join(lines) + "\n"
 
@@ -137,9 +159,8 @@ def _signature(predicate: Predicate, typed: bool) -> str:
     return f"({' '.join(filter(None, [predicate.name.lower(), _variables(pairs, typed)]))})"
 
 
-def _atom(atom: Atom) -> str:
-    terms: Iterable[Variable | Object] = atom.terms if isinstance(atom, LiftedAtom) else atom.objects
-    return f"({' '.join([atom.predicate.name, *(t.name for t in terms)]).lower()})"
+def _atom(atom: LiftedAtom) -> str:
+    return f"({' '.join([atom.predicate.name, *(t.name for t in atom.terms)]).lower()})"
 
 
 def _conjunction(parts: list[str], indent: str) -> str:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symbolic.compile import CompiledProblem
-from symbolic.heuristics import Heuristic
+from symbolic.compile import CompiledProblem, applicable_operators
+from symbolic.heuristics import Heuristic, LmCut
 from symbolic.planners import Limit, SearchRecord
 
 
@@ -42,6 +42,9 @@ class _PathSearch:
 
     Among paths of equal estimated length, those nearest to a goal go first until there is a plan, and
     random ones afterwards: a first plan soon, then plans that differ.
+
+    With LM-cut, a new state's estimate is at first only what its parent's landmarks give. Evaluating it is
+    put off until a path to it is taken from the queue, which most never are.
     """
 
     def __init__(
@@ -52,28 +55,42 @@ class _PathSearch:
         self.rng = rng
         self.record = record
         self.queue: list[tuple[float, float, float, int, Node]] = []  # length, tie, random tie, serial number
+        self.applicable = applicable_operators(problem)
         self.estimates: dict[int, float] = {}  # state -> lower bound on the length of the rest
+        self.unsure: set[int] = set()  # states that are not evaluated yet
         self.successors: dict[int, list[tuple[int, int]]] = {}  # state -> (operator, next state)
         self.depth: dict[int, int] = {}  # expanded state -> least length of a path to it so far
         self.aside: list[Node] | None = []  # None once there is a plan
         self.alive: set[int] = set()  # states from which a goal can be reached, as far as known
         self.serial = 0  # keeps the queue from ever comparing nodes
+        self.discover(problem.init, None, -1)
         self.push(Node(problem.init, 0, None, -1))
 
     def estimate(self, state: int) -> float:
-        """Return the best known lower bound on the rest of a plan from a state."""
-        if state not in self.estimates:
-            self.estimates[state] = 0 if self.problem.is_goal(state) else self.heuristic(state)
+        """Return the best lower bound on the rest of a plan from a state; evaluates what was put off."""
+        if state in self.unsure:
+            self.unsure.remove(state)
+            if not self.problem.is_goal(state):
+                self.estimates[state] = max(self.estimates[state], self.heuristic(state))
         return self.estimates[state]
 
+    def discover(self, state: int, parent: int | None, operator: int) -> None:
+        """Estimate a new state, at first only roughly where that is cheap."""
+        self.unsure.add(state)
+        self.estimates[state] = 0
+        if parent is not None and isinstance(self.heuristic, LmCut):
+            self.estimates[state] = self.heuristic.inherit(state, parent, operator)
+        else:
+            self.estimate(state)
+
     def push(self, node: Node) -> None:
-        """Queue a new path unless its end cannot reach the goal."""
+        """Queue a new path unless no goal can be reached from its end."""
         self.record.nodes_created += 1
         self.requeue(node)
 
     def requeue(self, node: Node) -> None:
         """Queue a path by the present estimate."""
-        rest = self.estimate(node.state)
+        rest = self.estimates[node.state]
         if rest < inf:
             self.serial += 1
             tie = 0 if self.aside is None else rest
@@ -82,11 +99,12 @@ class _PathSearch:
     def expand(self, state: int) -> list[tuple[int, int]]:
         """Return operators and next states."""
         if state not in self.successors:
-            self.successors[state] = [
-                (number, operator.apply(state))
-                for number, operator in enumerate(self.problem.operators)
-                if operator.applicable(state)
-            ]
+            operators = self.problem.operators
+            found = [(number, operators[number].apply(state)) for number in self.applicable(state)]
+            self.successors[state] = found
+            for number, following in found:
+                if following not in self.estimates:
+                    self.discover(following, state, number)
         return self.successors[state]
 
     def sharpen(self, node: Node) -> bool:
@@ -94,8 +112,8 @@ class _PathSearch:
         rose = False
         step: Node | None = node
         while step is not None:
-            best = min((1 + self.estimate(s) for _, s in self.expand(step.state)), default=inf)
-            if best <= self.estimate(step.state):
+            best = min((1 + self.estimates[s] for _, s in self.expand(step.state)), default=inf)
+            if best <= self.estimates[step.state]:
                 break
             self.estimates[step.state] = best
             rose = True
@@ -110,7 +128,11 @@ class _PathSearch:
         came_from: dict[int, int | None] = {state: None}
         queue = [(self.estimate(state), state)]
         while queue:
-            _, now = heappop(queue)
+            rest, now = heappop(queue)
+            if self.estimate(now) > rest:
+                if self.estimates[now] < inf:
+                    heappush(queue, (self.estimates[now], now))
+                continue
             if limit.late or len(came_from) > limit.nodes:
                 return True
             if now in self.alive or self.problem.is_goal(now):
@@ -120,11 +142,10 @@ class _PathSearch:
                     step = came_from[step]
                 return True
             for _, following in self.expand(now):
-                if following not in came_from and self.estimate(following) < inf:
+                if following not in came_from and self.estimates[following] < inf:
                     came_from[following] = now
-                    heappush(queue, (self.estimate(following), following))
-        for dead in came_from:
-            self.estimates[dead] = inf
+                    heappush(queue, (self.estimates[following], following))
+        self.estimates.update(dict.fromkeys(came_from, inf))
         return False
 
     def found_first(self, length: int) -> None:

@@ -19,7 +19,7 @@ from symbolic.compile import CompiledOperator, CompiledProblem, bits
 from symbolic.errors import InputError, MissingPackage, Unsupported
 from symbolic.grounding import GroundProblem
 from symbolic.heuristics import Heuristic
-from symbolic.pddl.write import write_domain, write_problem
+from symbolic.pddl.write import object_names, write_domain, write_problem
 from symbolic.planners import AbstractPlan, Limit, SearchRecord
 from symbolic.planners._best_first import enumerate_plans
 
@@ -133,9 +133,11 @@ def _ground(problem: GroundProblem, library: Any) -> tuple[Any, CompiledProblem]
     def mask(facts: frozenset[str]) -> int:
         return sum(1 << index[fact] for fact in facts)
 
+    names = object_names(problem.problem, problem.domain)
     compiled = []
     for ours in problem.operators:
-        theirs = grounded.get(ours.call)
+        arguments = [names.get(o.name, o.name.lower()) for o in ours.objects]
+        theirs = grounded.get(f"({' '.join([ours.operator.name.lower(), *arguments])})")
         if theirs is not None:  # it leaves out operators without any effect
             keep = everything & ~mask(theirs.del_effects - theirs.add_effects)
             compiled.append(

@@ -210,6 +210,28 @@ def test_evaluate(bpns: Run, model: Path) -> None:
     assert result["summary"]["solved"]["mean"] == 25 * sum(row["executed"] for row in result["tasks"])
 
 
+def test_envs_lists_and_checks(bpns: Run) -> None:
+    code, out, _ = bpns("envs")
+    assert code == 0
+    assert "cover\n  types:      block(height, width" in out
+    code, out, _ = bpns("envs", "check", "cover", "--tasks", 2)
+    assert code == 0
+    assert "ok       oracle plans: they solve 2 of 2 train tasks\n" in out
+    assert out.endswith("cover: 12 ok, 0 fault, 0 warning, 0 skipped\n")
+
+
+def test_envs_check_tells_everything_that_is_missing(bpns: Run) -> None:
+    code, out, _ = bpns("envs", "check", "tests.toy:HAND")
+    assert code == 1
+    assert "FAULT    attributes: simulate is missing: symbolic/environment.py says what it is\n" in out
+    assert "skipped  tasks: needs sample_task, types, classifiers, goal_predicates without fault\n" in out
+    code, out, _ = bpns("envs", "check", "tests.toy:HAND", "--json")
+    assert code == 1
+    assert json.loads(out)["faults"] == out.count('"fault"')
+    code, _, err = bpns("envs", "check", "nowhere")
+    assert (code, err.count("\n")) == (36, 1)
+
+
 def test_replay(bpns: Run, shared: Path, tmp_path: Path) -> None:
     recording = shared / "reference" / "cover.json.gz"
     code, out, _ = bpns("replay", recording)
@@ -229,7 +251,7 @@ def test_replay(bpns: Run, shared: Path, tmp_path: Path) -> None:
         (["learn", "nowhere.h5", "--out", "x"], 36, "no such file"),
         (["learn", "README.md", "--out", "x"], 36, "not an HDF5 file"),
         (["replay", "nowhere.json"], 36, "cannot read nowhere.json"),
-        (["demos", "nowhere"], 36, "unknown environment 'nowhere' (have: cover"),
+        (["demos", "nowhere"], 36, "unknown environment 'nowhere' (have: "),
         (["plan", "--oracle", "cover", "--planner", "nonsense"], 36, "unknown planner 'nonsense'"),
         (["plan", "--oracle", "cover", "--planner", "astar:best"], 36, "unknown heuristic 'astar:best'"),
         (["plan", "--oracle", "cover", "--show", "film.mp4"], 36, "use .gif, .webp or .png"),

@@ -2,7 +2,7 @@
 
 from hypothesis import given, settings
 
-from symbolic.compile import bits, compile_problem
+from symbolic.compile import applicable_operators, bits, compile_problem
 from symbolic.grounding import GroundProblem, Unreachable, ground
 from symbolic.structs import Domain, Problem
 from tests.symbolic._problems import COVER, Graph, cover_problem, encode, searchable_tasks, switches
@@ -76,3 +76,16 @@ def test_bits_are_the_positions_of_the_ones() -> None:
     assert bits(0b1) == [0]
     assert bits(0b101001) == [0, 3, 5]
     assert bits(1 << 200 | 2) == [1, 200]
+
+
+@settings(deadline=None, max_examples=100)
+@given(searchable_tasks())
+def test_applicable_operators_are_all_those_that_are_applicable(task: tuple[Domain, Problem, Graph]) -> None:
+    domain, problem, graph = task
+    found = ground(domain, problem)
+    if isinstance(found, GroundProblem):
+        compiled = compile_problem(found)
+        applicable = applicable_operators(compiled)
+        for state in graph:
+            mask = encode(compiled, state)
+            assert applicable(mask) == [i for i, o in enumerate(compiled.operators) if o.applicable(mask)]

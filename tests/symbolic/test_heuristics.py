@@ -1,14 +1,17 @@
 """Heuristics against true distances, plain fixpoints and pyperplan, on every state of small random tasks."""
 
 from collections.abc import Sequence
+from itertools import combinations, permutations, product
 from math import inf
+from random import Random
 
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from symbolic.compile import CompiledProblem, compile_problem
 from symbolic.grounding import GroundProblem, ground
-from symbolic.heuristics import HEURISTICS, hadd, hff, lmcut
+from symbolic.heuristics import HEURISTICS, LmCut, hadd, hff
 from symbolic.structs import Domain, GroundAtom, GroundOperator, Problem
 from tests.symbolic._problems import (
     COVER,
@@ -47,10 +50,60 @@ def plain_hmax(state: AbstractState, operators: Sequence[GroundOperator], goal: 
 def test_lmcut_never_overestimates(task: tuple[Domain, Problem, Graph]) -> None:
     domain, problem, graph = task
     if masks := compiled(domain, problem):
-        evaluate = lmcut(masks)
+        evaluate = LmCut(masks)
         steps = distances(problem, graph)
         for state in graph:
             assert evaluate(encode(masks, state)) <= steps.get(state, inf)
+
+
+@settings(deadline=None, max_examples=200)
+@given(searchable_tasks(), st.randoms(use_true_random=False))
+def test_lmcut_on_random_walks_keeps_only_landmarks(task: tuple[Domain, Problem, Graph], rng: Random) -> None:
+    domain, problem, graph = task
+    masks = compiled(domain, problem)
+    if masks is None:
+        return
+    evaluate = LmCut(masks)
+    steps = distances(problem, graph)
+    operators = [o.ground for o in masks.operators]
+    numbers = {operator: number for number, operator in enumerate(operators)}
+    state, mask = problem.init, masks.init
+    evaluate(mask)
+    for _ in range(12):
+        moves = [(numbers[o], after) for o, after in graph[state] if o in numbers]
+        if not moves:
+            return
+        number, after = rng.choice(moves)
+        at_first = evaluate.inherit(encode(masks, after), mask, number)
+        state, mask = after, encode(masks, after)
+        value = evaluate(mask)
+        assert at_first <= value <= steps.get(state, inf)
+        reached, _ = relaxed_fixpoint(state, operators)
+        assert (value == 0) == (problem.goal <= state)
+        assert (value == inf) == (not problem.goal <= reached)
+        assert value == evaluate(mask)
+        if value == inf:
+            return
+
+
+@settings(deadline=None, max_examples=100)
+@given(searchable_tasks())
+def test_landmarks_share_no_operators_and_every_plan_uses_one_of_each(
+    task: tuple[Domain, Problem, Graph],
+) -> None:
+    domain, problem, graph = task
+    if masks := compiled(domain, problem):
+        evaluate = LmCut(masks)
+        operators = [o.ground for o in masks.operators]
+        for state in graph:
+            mask = encode(masks, state)
+            if evaluate(mask) == inf:
+                continue
+            for one, other in combinations(evaluate.landmarks[mask], 2):
+                assert one.isdisjoint(other)
+            for landmark in evaluate.landmarks[mask]:
+                others = [o for number, o in enumerate(operators) if number not in landmark]
+                assert not problem.goal <= relaxed_fixpoint(state, others)[0]
 
 
 @settings(deadline=None, max_examples=100)
@@ -59,7 +112,7 @@ def test_values_are_in_the_order_that_theory_demands(task: tuple[Domain, Problem
     domain, problem, graph = task
     if masks := compiled(domain, problem):
         operators = [o.ground for o in masks.operators]
-        sums, plans, cuts = hadd(masks), hff(masks), lmcut(masks)
+        sums, plans, cuts = hadd(masks), hff(masks), LmCut(masks)
         for state in graph:
             mask = encode(masks, state)
             hmax = plain_hmax(state, operators, problem.goal)
@@ -105,6 +158,29 @@ def test_shared_preconditions_count_twice_for_hadd_only() -> None:
         "hadd": 4,
         "hff": 3,
     }
+
+
+def doors_moves(cells: list[str]) -> dict[str, tuple[str, str]]:
+    """Return moves as in Doors: go to a door from inside a room or from another of its doors, open, pass."""
+    near = [(a, b) for a, b in combinations(cells, 2) if abs(int(a) - int(b)) in (1, 10)]
+    moves = {}
+    for a, b in near:
+        moves[f"open{a}{b}"] = (f"at{a}{b}", f"open{a}{b}")
+        for here, there in ((a, b), (b, a)):
+            moves[f"to{a}{b}from{here}"] = (f"in{here} main", f"at{a}{b} main-")
+            moves[f"pass{here}{there}"] = (f"in{here} at{a}{b} open{a}{b}", f"in{there} in{here}-")
+    for (a, b), (c, d) in permutations(near, 2):
+        if {a, b} & {c, d}:
+            moves[f"to{c}{d}from{a}{b}"] = (f"at{a}{b}", f"at{c}{d} at{a}{b}-")
+    return moves
+
+
+def test_lmcut_is_exact_where_operators_choose_their_most_expensive_precondition_alike() -> None:
+    """With a choice by the order in which they are reached, it was 20."""
+    cells = [f"{x}{y}" for x, y in product(range(4), range(4)) if (x, y) not in ((0, 2), (1, 1))]
+    masks = compiled(*switches(doors_moves(cells), init="in00 main", goal="in03"))
+    assert masks is not None
+    assert LmCut(masks)(masks.init) == 3 * 7  # rooms 10 20 21 22 12 13 03
 
 
 def test_atom_that_holds_is_free_even_if_the_way_deletes_it() -> None:

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 
 from symbolic.compile import compile_problem
 from symbolic.grounding import Unreachable, ground
-from symbolic.heuristics import hadd
+from symbolic.heuristics import LmCut, hadd
 from symbolic.pddl.write import write_domain, write_problem
 from symbolic.planners import AbstractPlan, Limit, SearchRecord
 from symbolic.planners._best_first import enumerate_plans
 from symbolic.structs import Domain, Problem
-from tests.symbolic._planning import check_plan, grounded, key, plans
+from tests.symbolic._planning import AMPLE, check_plan, grounded, key, plans
 from tests.symbolic._problems import (
     COVER,
     Graph,
@@ -196,6 +196,24 @@ def test_search_ends_after_the_last_plan(name: str) -> None:
         stream, record = plans(problem, limit=Limit(10_000, deadline=50_000))
         assert [key(plan) for plan in stream] == [("win()",)]
     assert record.stopped_by == ""
+
+
+def test_most_states_beside_the_way_to_the_first_plan_are_never_evaluated() -> None:
+    masks = compile_problem(grounded(COVER, cover_problem(6)))
+    evaluate = LmCut(masks)
+    evaluated: list[int] = []
+    call = LmCut.__call__
+
+    def counted(heuristic: LmCut, state: int) -> float:
+        evaluated.append(state)
+        return call(heuristic, state)
+
+    record = SearchRecord()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(LmCut, "__call__", counted)
+        assert len(next(enumerate_plans(masks, evaluate, np.random.default_rng(0), AMPLE, record))) == 12
+    assert len(evaluated) == len(set(evaluated)) == 12  # the last state is a goal
+    assert record.nodes_created > 4 * len(evaluated)
 
 
 def test_limits_hold_in_large_dead_ends_too() -> None:

@@ -1,0 +1,101 @@
+"""Seconds to ground a problem and to find its first abstract plan, with the number of nodes it took.
+
+Takes PDDL problem files, or folders with all that is below them. A problem's domain file is the one of its
+folder that fits its name best: ``domain.pddl``, or ``domain01.pddl`` for ``task01.pddl``, or
+``doors-domain.pddl`` for ``doors-100.pddl``.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from time import monotonic
+
+import numpy as np
+
+from symbolic import planners
+from symbolic.errors import InputError
+from symbolic.grounding import GroundProblem, Unreachable, ground
+from symbolic.pddl.read import read_domain, read_problem
+from symbolic.planners import Limit, SearchRecord
+from symbolic.structs import Domain, Problem
+
+
+def domain_of(path: Path) -> Path | None:
+    """Return the domain file next to a problem file."""
+    choices = (
+        path.with_name(path.name.replace("task", "domain")),
+        path.with_name(f"{path.stem.rpartition('-')[0]}-domain.pddl"),
+        path.with_name("domain.pddl"),
+    )
+    return next((file for file in choices if file != path and file.exists()), None)
+
+
+def pddl_tasks(paths: Sequence[Path]) -> Iterator[tuple[str, Domain, Problem]]:
+    """Yield a label, domain and problem for each PDDL problem among files and folders."""
+    for given in paths:
+        for path in sorted(given.rglob("*.pddl")) if given.is_dir() else [given]:
+            label = f"{path.parent.name}/{path.stem}"
+            domain_file = None if "domain" in path.name else domain_of(path)
+            if domain_file is None:
+                continue
+            try:
+                domain = read_domain(domain_file)
+                yield label, domain, read_problem(path, domain)
+            except InputError as error:
+                print(f"{label:28}{str(error).split(':', 3)[-1].strip()}")
+
+
+def first_plan(
+    name: str, problem: GroundProblem, count: int, seconds: float
+) -> tuple[list[int], float, float, SearchRecord, int]:
+    """Return the plans' lengths, seconds to the first and to all, the record, and nodes up to the first."""
+    record = SearchRecord()
+    start = monotonic()
+    limit = Limit(10**9, start + seconds)
+    lengths: list[int] = []
+    first, nodes = 0.0, 0
+    for plan in planners.load(name).plans(problem, np.random.default_rng(0), limit, record):
+        if not lengths:
+            first, nodes = monotonic() - start, record.nodes_created
+        lengths.append(len(plan.steps))
+        if len(lengths) == count:
+            break
+    total = monotonic() - start
+    return lengths, first if lengths else total, total, record, nodes or record.nodes_created
+
+
+def main() -> None:
+    """Measure and print one row per problem; exit with 1 where a first plan took longer than allowed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("paths", nargs="+", type=Path, help="PDDL problem files or folders")
+    parser.add_argument("--planner", default="astar")
+    parser.add_argument("--plans", type=int, default=1, help="how many plans to take (lengths are printed)")
+    parser.add_argument("--seconds", type=float, default=30, help="when to give up on a problem")
+    parser.add_argument("--allowed", type=float, help="most seconds for grounding and the first plan")
+    arguments = parser.parse_args()
+    slow = 0
+    print(f"{'problem':28}{'ground':>8}{'s':>8}{'steps':>7}{'nodes':>9}{'first s':>9}{'all s':>8}")
+    for label, domain, problem in pddl_tasks(arguments.paths):
+        start = monotonic()
+        found = ground(domain, problem)
+        grounding = monotonic() - start
+        if isinstance(found, Unreachable):
+            print(f"{label:28}{found}")
+            continue
+        lengths, first, total, record, nodes = first_plan(
+            arguments.planner, found, arguments.plans, arguments.seconds
+        )
+        slow += arguments.allowed is not None and grounding + first > arguments.allowed
+        counts = {n: lengths.count(n) for n in sorted(set(lengths))}
+        tail = f"  {record.stopped_by}" + (f"  {counts}" if arguments.plans > 1 else "")
+        print(
+            f"{label:28}{len(found.operators):8}{grounding:8.3f}{lengths[0] if lengths else '-':>7}"
+            f"{nodes:9}{first:9.3f}{total:8.2f}{tail}",
+            flush=True,
+        )
+    sys.exit(1 if slow else 0)
+
+
+if __name__ == "__main__":
+    main()
