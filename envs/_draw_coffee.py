@@ -1,115 +1,39 @@
-"""What is where in Coffee, and its picture. Source: spec, coffee.md sections 1, 2 and 9."""
+"""The picture of Coffee: from above and from the front. Source: spec, coffee.md section 9."""
 
 from collections.abc import Callable
-from math import cos, pi, sin
-from typing import TypeAlias
+from math import cos, sin
 
 from PIL.Image import Image
 
+from envs._coffee_world import (
+    BUTTON,
+    BUTTON_RADIUS,
+    CUP,
+    CUP_RADIUS,
+    GRIPPER,
+    HANDLE_HEIGHT,
+    IS_HELD,
+    IS_HOT,
+    LEVEL,
+    LIMIT,
+    PLATE,
+    PLATE_CORNER,
+    PLATE_SIZE,
+    POT,
+    POT_HEIGHT,
+    POT_RADIUS,
+    TARGET,
+    TILT,
+    WORLD,
+    X,
+    Y,
+    Z,
+    handle_position,
+    only,
+    pot_position,
+)
 from envs._draw import Canvas, Color
-from symbolic.state import Features, State
-from symbolic.structs import Type
-
-Point: TypeAlias = tuple[float, float, float]
-
-GRIPPER = Type("gripper", ("x", "y", "z", "tilt-angle", "wrist-angle", "fingers"))
-POT = Type("pot", ("x", "y", "rotation", "is-held", "is-hot"))  # no z: it hangs from the gripper or stands
-PLATE = Type("plate", ("is-on",))
-CUP = Type("cup", ("x", "y", "liquid-capacity", "liquid-target", "current-liquid"))
-
-X, Y, Z, TILT, WRIST, FINGERS = range(6)  # of the gripper; X and Y of pot and cups too
-ROTATION, IS_HELD, IS_HOT = 2, 3, 4  # of the pot
-LIMIT, TARGET, LEVEL = 2, 3, 4  # of a cup
-
-WORLD = 10.0  # x, y and z are in 0..WORLD
-BUTTON: Point = (9.0, 7.5, 3.0)
-BUTTON_RADIUS = 0.2
-PLATE_CORNER, PLATE_SIZE = (8.5, 7.5), (1.0, 2.0, 4.0)
-POT_RADIUS, POT_HEIGHT = 0.4, 1.5
-CUP_RADIUS = 0.24
-HANDLE_DISTANCE, HANDLE_HEIGHT = 1.05 * POT_RADIUS, 1.125  # from the middle of the pot's bottom
-DISPENSE_AREA: Point = (BUTTON[X], BUTTON[Y] - 1.1 * POT_RADIUS, 0.0)  # where a pot is on the plate
-POUR_OFFSET: Point = (1.5 * (CUP_RADIUS + POT_RADIUS), CUP_RADIUS, 1.1 * (1.5 + POT_HEIGHT - HANDLE_HEIGHT))
-NEAR_TOP, NEAR_AREA, NEAR_POUR = 0.5, 1.0, 1.0  # squared distances
-
-
-def squared_distance(a: Point, b: Point) -> float:
-    """Return the squared distance."""
-    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
-    return x * x + y * y + z * z
-
-
-def distance_across(a: Point, b: Point) -> float:
-    """Return the squared distance in x and y."""
-    return (a[X] - b[X]) ** 2 + (a[Y] - b[Y]) ** 2
-
-
-def clip(value: float, low: float, high: float) -> float:
-    """Return the nearest number in low..high."""
-    return low if value < low else high if value > high else value
-
-
-def only(state: State, type_: Type) -> Features:
-    """Return the features of the one object of a type."""
-    return state.features[state.by_type[type_.name][0].name]
-
-
-def position(robot: Features) -> Point:
-    """Return where the gripper is."""
-    return (robot[X], robot[Y], robot[Z])
-
-
-def pot_position(robot: Features, pot: Features) -> Point:
-    """Return the middle of the bottom of a held pot; one that stands is at height 0."""
-    return (pot[X], pot[Y], robot[Z] - HANDLE_HEIGHT)
-
-
-def handle_position(pot: Features) -> Point:
-    """Return where a pot that stands is grasped."""
-    angle = pot[ROTATION] - pi / 2
-    return (pot[X] + cos(angle) * HANDLE_DISTANCE, pot[Y] + sin(angle) * HANDLE_DISTANCE, HANDLE_HEIGHT)
-
-
-def pour_position(cup: Features) -> Point:
-    """Return where a pot pours into a cup."""
-    return (cup[X] + POUR_OFFSET[X], cup[Y] + POUR_OFFSET[Y], POUR_OFFSET[Z])
-
-
-def is_on_plate(pot: Features) -> bool:
-    """Say whether the pot stands on the plate."""
-    at = (pot[X], pot[Y], 0.0)
-    return not pot[IS_HELD] > 0.5 and squared_distance(DISPENSE_AREA, at) < NEAR_AREA
-
-
-def is_at_top(robot: Features, pot: Features) -> bool:
-    """Say whether the gripper is at the top of the pot, and not nearer to the handle."""
-    at = position(robot)
-    top = squared_distance((pot[X], pot[Y], POT_HEIGHT), at)
-    return top < NEAR_TOP and not squared_distance(handle_position(pot), at) < top
-
-
-def is_above(robot: Features, pot: Features, cup: Features) -> bool:
-    """Say whether the pot is held where it can pour into the cup."""
-    at = pot_position(robot, pot)
-    return pot[IS_HELD] > 0.5 and squared_distance(at, pour_position(cup)) < NEAR_POUR
-
-
-def cup_below(state: State, spout: Point) -> str:
-    """Return the name of the cup that a tilted pot pours into; empty where there is none."""
-    nearest, best = "", NEAR_POUR
-    for obj in state.by_type[CUP.name]:
-        distance = squared_distance(spout, pour_position(state[obj]))
-        if distance < best:  # strictly: the first in canonical order on ties
-            nearest, best = obj.name, distance
-    return nearest
-
-
-def is_filled(cup: Features) -> bool:
-    """Say whether there is more in a cup than wanted."""
-    return cup[LEVEL] > cup[TARGET]
-
-
-# ------------------------------------------------------------------------------------------ drawing
+from symbolic.state import State
 
 BLACK: Color = (30, 30, 30)
 GRAY: Color = (170, 170, 170)

@@ -1,6 +1,6 @@
 """Coffee: a gripper heats a pot on a plate and pours into cups. Source: spec, coffee.md."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import TypeAlias
@@ -8,54 +8,61 @@ from typing import TypeAlias
 import numpy as np
 from PIL.Image import Image
 
-from envs._draw_coffee import (
+from envs._coffee_world import (
+    ANGLE_STEP,
     BUTTON,
+    BUTTON_PRESSED,
+    CLASSIFIERS,
     CUP,
+    CUP_FILLED,
     DISPENSE_AREA,
-    FINGERS,
     GRIPPER,
-    IS_HELD,
-    IS_HOT,
-    LIMIT,
+    HAND_EMPTY,
+    IS_HOLDING,
+    IS_TWISTING,
+    MAX_TILT,
+    NOT_ABOVE_CUP,
+    ON_TABLE,
+    OPEN,
     PLATE,
+    POSITION_STEP,
     POT,
+    POT_ABOVE_CUP,
     POT_HEIGHT,
+    POT_HOT,
+    POT_ON_PLATE,
+    PRESSING_BUTTON,
+    ROBOT_ABOVE_CUP,
     ROTATION,
     TILT,
     WORLD,
-    WRIST,
     Point,
     X,
     Y,
-    Z,
     clip,
-    cup_below,
     distance_across,
-    draw,
     handle_position,
-    is_above,
-    is_at_top,
+    is_button_pressed,
     is_filled,
+    is_hand_empty,
+    is_holding,
     is_on_plate,
+    is_twisting,
     only,
     position,
     pot_position,
     pour_position,
+    simulate,
     squared_distance,
 )
-from symbolic.environment import Budget, Classifier, EnvironmentFailure, Split
+from envs._draw_coffee import draw
+from symbolic.environment import Budget, Split
 from symbolic.skills import Controller, NoSampler, Skill, Terminal
 from symbolic.state import Array, Features, State, Task
-from symbolic.structs import LiftedAtom, Object, Operator, Predicate, Variable
+from symbolic.structs import LiftedAtom, Object, Operator, Variable
 
 Act: TypeAlias = Callable[[State, tuple[Object, ...], Array], Array]
 
-MAX_TILT, MAX_WRIST = pi / 4, pi
-OPEN, CLOSED, FINGER_TOLERANCE = 0.4, 0.1, 0.01
-POSITION_STEP, ANGLE_STEP, FINGER_STEP = 2.5, pi / 4, 1.0  # what an action component of 1 does
-POUR_ANGLE_TOLERANCE, POUR_AMOUNT = 0.1, 1.5 / 10
-MAX_PICK_ROTATION = pi / 3  # beyond it the handle cannot be grasped
-NEAR_BUTTON, NEAR_HANDLE = 0.2, 0.5  # squared; the paper compares the button's with its plain radius
 
 START: Features = (5.0, 5.0, WORLD, 0.0, 0.0, OPEN)  # of the gripper
 MAX_START_ROTATION = 2 * pi / 3
@@ -64,123 +71,6 @@ CUP_SPACING = 2 * 0.74
 CAPACITIES, TARGET_SHARE = (0.75, 1.5), 0.75
 TRIES_PER_CUP = 10
 SETS_PER_SPACING, SHRINKING = 100, 0.95
-SINGLE = (GRIPPER, POT, PLATE)  # types that have one object
-
-# --------------------------------------------------------------------------------------- predicates
-
-CUP_FILLED = Predicate("CupFilled", (CUP,))
-IS_HOLDING = Predicate("Holding", (GRIPPER, POT))
-POT_ON_PLATE = Predicate("PotOnPlate", (POT, PLATE))
-BUTTON_PRESSED = Predicate("ButtonPressed", (PLATE,))
-ON_TABLE = Predicate("OnTable", (POT,))
-IS_TWISTING = Predicate("Twisting", (GRIPPER, POT))
-HAND_EMPTY = Predicate("HandEmpty", (GRIPPER,))
-POT_HOT = Predicate("PotHot", (POT,))
-ROBOT_ABOVE_CUP = Predicate("RobotAboveCup", (GRIPPER, CUP))
-POT_ABOVE_CUP = Predicate("PotAboveCup", (POT, CUP))
-NOT_ABOVE_CUP = Predicate("NotAboveCup", (GRIPPER, POT))
-PRESSING_BUTTON = Predicate("PressingButton", (GRIPPER, PLATE))
-
-
-def _holding(state: State, _: tuple[Object, ...]) -> bool:
-    return only(state, POT)[IS_HELD] > 0.5
-
-
-def _button_pressed(state: State, _: tuple[Object, ...]) -> bool:
-    return only(state, PLATE)[0] > 0.5
-
-
-def _twisting(state: State, _: tuple[Object, ...]) -> bool:
-    return is_at_top(only(state, GRIPPER), only(state, POT))
-
-
-def _hand_empty(state: State, _: tuple[Object, ...]) -> bool:
-    robot, pot = only(state, GRIPPER), only(state, POT)
-    return not pot[IS_HELD] > 0.5 and not is_at_top(robot, pot)
-
-
-CLASSIFIERS: Mapping[Predicate, Classifier] = {
-    CUP_FILLED: lambda state, objects: is_filled(state[objects[0]]),
-    IS_HOLDING: _holding,
-    POT_ON_PLATE: lambda state, objects: is_on_plate(state[objects[0]]),
-    BUTTON_PRESSED: _button_pressed,
-    ON_TABLE: lambda s, objects: not s[objects[0]][IS_HELD] > 0.5 and not is_on_plate(s[objects[0]]),
-    IS_TWISTING: _twisting,
-    HAND_EMPTY: _hand_empty,
-    POT_HOT: lambda state, objects: state[objects[0]][IS_HOT] > 0.5,
-    ROBOT_ABOVE_CUP: lambda state, objects: is_above(state[objects[0]], only(state, POT), state[objects[1]]),
-    POT_ABOVE_CUP: lambda state, objects: is_above(only(state, GRIPPER), *map(state.__getitem__, objects)),
-    NOT_ABOVE_CUP: lambda s, o: not any(is_above(s[o[0]], s[o[1]], s[cup]) for cup in s.by_type[CUP.name]),
-    PRESSING_BUTTON: lambda s, objects: squared_distance(BUTTON, position(s[objects[0]])) < NEAR_BUTTON,
-}
-
-# --------------------------------------------------------------------------------------- transition
-
-
-def simulate(state: State, action: Array) -> State:
-    """Return the next state. Source: spec, coffee.md section 4; the comments count its rules."""
-    dx, dy, dz, dtilt, dwrist, dfingers = _checked(action)
-    robot_name, pot_name, plate_name = (state.by_type[t.name][0].name for t in SINGLE)
-    old, pot = state.features[robot_name], state.features[pot_name]
-    on = state.features[plate_name][0] > 0.5
-    x = clip(old[X] + POSITION_STEP * dx, 0.0, WORLD)  # 1
-    y = clip(old[Y] + POSITION_STEP * dy, 0.0, WORLD)
-    z = clip(old[Z] + POSITION_STEP * dz, 0.0, WORLD)
-    tilt = clip(old[TILT] + ANGLE_STEP * dtilt, 0.0, MAX_TILT)
-    wrist = clip(old[WRIST] + ANGLE_STEP * dwrist, -MAX_WRIST, MAX_WRIST)
-    fingers = clip(old[FINGERS] + FINGER_STEP * dfingers, CLOSED, OPEN)
-    at = (x, y, z)
-    robot: Features = (x, y, z, tilt, wrist, fingers)  # 3
-    changes: dict[str, Features] = {}
-    if not on and squared_distance(BUTTON, at) < NEAR_BUTTON:  # 5 and 6A
-        changes[plate_name] = (1.0,)
-        on = True
-        robot = (*BUTTON, 0.0, 0.0, fingers)
-    elif pot[IS_HELD] > 0.5:
-        if abs(fingers - OPEN) < FINGER_TOLERANCE:  # 6B1
-            pot = (*pot[:3], 0.0, pot[4])
-        elif abs(tilt - MAX_TILT) < POUR_ANGLE_TOLERANCE:  # 6B2
-            cup_name, cup = _poured(state, pot_position(robot, pot))
-            changes[cup_name] = cup
-            robot = (old[X], old[Y], old[Z], tilt, wrist, CLOSED)
-        else:  # 6B3, with the motion of rule 2
-            pot = (pot[X] + (x - old[X]), pot[Y] + (y - old[Y]), *pot[2:])
-            robot = (x, y, z, 0.0, 0.0, CLOSED)
-    elif (  # 4 and 6C
-        abs(fingers - CLOSED) < FINGER_TOLERANCE
-        and abs(pot[ROTATION]) < MAX_PICK_ROTATION
-        and squared_distance(handle := handle_position(pot), at) < NEAR_HANDLE
-    ):
-        robot = (*handle, 0.0, 0.0, fingers)
-        pot = (*pot[:3], 1.0, pot[4])
-    elif is_at_top(old, pot):  # 6D, with the turn of rule 2
-        pot = (pot[X], pot[Y], pot[ROTATION] + (wrist - old[WRIST]), *pot[3:])
-    if on and not pot[IS_HOT] > 0.5 and is_on_plate(pot):  # 7
-        pot = (*pot[:4], 1.0)
-    changes[robot_name] = robot
-    changes[pot_name] = pot
-    return state.changed(changes)
-
-
-def _poured(state: State, spout: Point) -> tuple[str, Features]:
-    """Return the cup below the spout with more in it; raise EnvironmentFailure on a mess."""
-    name = cup_below(state, spout)
-    if not name:
-        raise EnvironmentFailure("spilled: no cup is below the tilted pot")
-    *fixed, level = state.features[name]
-    level += POUR_AMOUNT
-    if level > fixed[LIMIT]:
-        raise EnvironmentFailure(f"overfilled: {name} cannot hold what is poured")
-    return name, (*fixed, level)
-
-
-def _checked(action: Array) -> list[float]:
-    """Return an action as Python floats; raise ValueError where it is outside the box."""
-    values: list[float] = action.tolist()  # float64: everything after is computed in double precision
-    if action.shape != (6,) or not all(-1.0 <= v <= 1.0 for v in values):
-        raise ValueError(f"action {values} is not in the box (six numbers in [-1, 1])")
-    return values
-
 
 # ---------------------------------------------------------------------------------- oracle policies
 
@@ -303,12 +193,12 @@ def _filled(state: State, objects: tuple[Object, ...]) -> bool:
 Atoms: TypeAlias = tuple[LiftedAtom, ...]
 # name, parameters; preconditions; add effects; delete effects; what to do until when
 TABLE: tuple[tuple[str, tuple[Variable, ...], Atoms, Atoms, Atoms, Act, Terminal], ...] = (
-    ("MoveToTwistPot", (_R, _J), (_STANDS, _EMPTY), (_TWISTS,), (_EMPTY,), move_to_twist_pot, _twisting),
-    ("TwistPot", (_R, _J), (_STANDS, _TWISTS), (_EMPTY,), (_TWISTS,), twist_pot, _hand_empty),
-    ("PickPotFromTable", (_R, _J), (_STANDS, _EMPTY), (_HOLDS,), (_STANDS, _EMPTY), pick_pot, _holding),
+    ("MoveToTwistPot", (_R, _J), (_STANDS, _EMPTY), (_TWISTS,), (_EMPTY,), move_to_twist_pot, is_twisting),
+    ("TwistPot", (_R, _J), (_STANDS, _TWISTS), (_EMPTY,), (_TWISTS,), twist_pot, is_hand_empty),
+    ("PickPotFromTable", (_R, _J), (_STANDS, _EMPTY), (_HOLDS,), (_STANDS, _EMPTY), pick_pot, is_holding),
     ("PlacePotOnPlate", _RJM, (_HOLDS,), (_EMPTY, _ON_PLATE), (_HOLDS,), place_pot_on_plate, _placed),
-    ("TurnButtonPressed", _RJM, _READY, (_HOT, _PRESSED, _PRESSES), (), press_button, _button_pressed),
-    ("PickPotFromPlate", _RJM, (*_READY, _PRESSES), (_HOLDS,), (*_READY, _PRESSES), pick_pot, _holding),
+    ("TurnButtonPressed", _RJM, _READY, (_HOT, _PRESSED, _PRESSES), (), press_button, is_button_pressed),
+    ("PickPotFromPlate", _RJM, (*_READY, _PRESSES), (_HOLDS,), (*_READY, _PRESSES), pick_pot, is_holding),
     ("PourFromNowhere", (_R, _J, _C), (_HOLDS, _HOT, _NOT_ABOVE), _POURED, (_NOT_ABOVE,), pour, _filled),
     ("PourFromOtherCup", (_R, _J, _C, _O), (_HOLDS, _HOT, *_OTHER), _POURED, _OTHER, pour, _filled),
 )
@@ -371,7 +261,11 @@ class Coffee:
     action_high = np.full(6, 1, np.float32)
     horizon = 1000
     rollout_limit = 1000
-    budget = Budget(abstract_plans=1000, samples_per_step=10)
+    budget = Budget(abstract_plans=1000, samples_per_step=10, samples_per_plan=100)
+
+    def __post_init__(self) -> None:
+        if not all(counts and min(counts) >= 1 for counts in (self.train_cups, self.test_cups)):
+            raise ValueError("train_cups and test_cups are one or more numbers above 0")
 
     def simulate(self, state: State, action: Array) -> State:
         """Return the next state; the action is (dx, dy, dz, dtilt, dwrist, dfingers), each in [-1, 1]."""
@@ -379,7 +273,7 @@ class Coffee:
 
     def sample_task(self, split: Split, index: int, rng: np.random.Generator) -> Task:
         """Draw a task: fill all cups. Source: spec, coffee.md section 6."""
-        count = int(rng.choice(list(self.train_cups if split == "train" else self.test_cups)))
+        count = int(rng.choice(self.train_cups if split == "train" else self.test_cups))
         cups = {Object(f"cup{i}", CUP): cup for i, cup in enumerate(_sample_cups(count, rng))}
         x, y = (rng.uniform(low, high) for low, high in POT_BOX)
         rotation = rng.uniform(-MAX_START_ROTATION, MAX_START_ROTATION)

@@ -239,6 +239,13 @@ class Doors:
     rollout_limit = 1000
     budget = Budget(abstract_plans=8, samples_per_step=10)
 
+    def __post_init__(self) -> None:
+        least, most = self.room_share
+        if not 0 <= least <= most <= 1 or int(least * self.rows * self.columns) < 2:
+            raise ValueError("rows, columns and room_share (least,most, in 0..1) leave no two rooms at least")
+        if not 0 <= self.obstacles[0] <= self.obstacles[1]:
+            raise ValueError("obstacles are least,most in a room")
+
     def simulate(self, state: State, action: Array) -> State:
         """Return the next state; the action is (dx, dy, rotation), the last one absolute."""
         return simulate(state, action)

@@ -3,7 +3,7 @@
 Source: spec, stick_button.md.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import cos, pi, sin
 from typing import TypeAlias
@@ -13,146 +13,51 @@ from PIL.Image import Image
 
 from envs._draw import Canvas, Color
 from envs._shapes2d import Circle, Rectangle, circles_meet, rectangle_meets_circle
-from symbolic.environment import Budget, Classifier, EnvironmentFailure, Split
+from envs._stick_button_world import (
+    ABOVE_NO_BUTTON,
+    BUTTON,
+    CLASSIFIERS,
+    COS,
+    FLAG,
+    GRASPED,
+    GRIPPER,
+    HAND_EMPTY,
+    HOLDER,
+    HOLDER_LENGTH,
+    HOLDER_THICKNESS,
+    PRESSED,
+    RADIUS,
+    ROBOT_ABOVE_BUTTON,
+    SIN,
+    STEP,
+    STICK,
+    STICK_ABOVE_BUTTON,
+    STICK_LENGTH,
+    STICK_THICKNESS,
+    UPRIGHT,
+    WORLD_X,
+    WORLD_Y,
+    ZONE_Y,
+    X,
+    Y,
+    disc_shape,
+    is_grasped,
+    only,
+    robot_above,
+    simulate,
+    stick_shape,
+    tip_shape,
+)
+from symbolic.environment import Budget, Split
+from symbolic.errors import InputError
 from symbolic.skills import Controller, NoSampler, Skill
 from symbolic.state import Array, Features, State, Task
-from symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
+from symbolic.structs import GroundAtom, Object, Operator, Variable
 
-GRIPPER = Type("gripper", ("x", "y"))
-BUTTON = Type("button", ("x", "y", "pressed"))
-STICK = Type("stick", ("x", "y", "held"))  # its corner; it always stands upright
-HOLDER = Type("holder", ("x", "y"))  # its corner; upright too
-
-X, Y, FLAG = range(3)
-
-WORLD_X, WORLD_Y, ZONE_Y = 10.0, 6.0, 3.0  # the hand stays within x 0..10, y 0..3
-STEP = 0.5  # most per action and axis
-RADIUS = 0.1  # of robot and buttons
-STICK_LENGTH, STICK_THICKNESS, TIP_LENGTH = 3.0, 0.05, 0.05
-HOLDER_LENGTH, HOLDER_THICKNESS = STICK_LENGTH * 0.1, 0.125
-UPRIGHT = pi / 2
-COS, SIN = cos(UPRIGHT), sin(UPRIGHT)
 SPACING = 0.5  # around everything at the start
 STICK_START_Y = 1.6  # highest
+MAX_TRIES = 10_000  # to find a place; with the paper's numbers of buttons a few are enough
 GRASP_TOLERANCE = 0.001  # squared distance at which the oracle closes its hand
-
-# --------------------------------------------------------------------------------------- predicates
-
-ABOVE_NO_BUTTON = Predicate("AboveNoButton", ())
-GRASPED = Predicate("Grasped", (GRIPPER, STICK))
-HAND_EMPTY = Predicate("HandEmpty", (GRIPPER,))
-PRESSED = Predicate("Pressed", (BUTTON,))
-ROBOT_ABOVE_BUTTON = Predicate("RobotAboveButton", (GRIPPER, BUTTON))
-STICK_ABOVE_BUTTON = Predicate("StickAboveButton", (STICK, BUTTON))
-
-
-def _only(state: State, type_: Type) -> tuple[str, Features]:
-    """Return name and features of the one object of a type."""
-    (obj,) = state.by_type[type_.name]
-    return obj.name, state.features[obj.name]
-
-
-def _disc(features: Features) -> Circle:
-    """Return the shape of a robot or button."""
-    return Circle(features[X], features[Y], RADIUS)
-
-
-def _stick(x: float, y: float) -> Rectangle:
-    return Rectangle(x, y, STICK_LENGTH, STICK_THICKNESS, UPRIGHT)
-
-
-def _tip(x: float, y: float) -> Rectangle:
-    far = STICK_LENGTH - TIP_LENGTH
-    return Rectangle(x + far * COS, y + far * SIN, TIP_LENGTH, STICK_THICKNESS, UPRIGHT)
-
-
-def _robot_above(robot: Features, button: Features) -> bool:
-    return circles_meet(_disc(robot), _disc(button))
-
-
-def _stick_above(stick: Features, button: Features) -> bool:
-    if abs(stick[X] - button[X]) > 1:  # far from any close case
-        return False
-    return rectangle_meets_circle(_stick(stick[X], stick[Y]), _disc(button))
-
-
-def _above_no_button(state: State, _: tuple[Object, ...]) -> bool:
-    robot, stick = _only(state, GRIPPER)[1], _only(state, STICK)[1]
-    return not any(
-        _robot_above(robot, state.features[b.name]) or _stick_above(stick, state.features[b.name])
-        for b in state.by_type.get(BUTTON.name, ())
-    )
-
-
-def _grasped(state: State, objects: tuple[Object, ...]) -> bool:
-    return state[objects[1]][FLAG] > 0.5
-
-
-def _hand_empty(state: State, _: tuple[Object, ...]) -> bool:
-    return not _only(state, STICK)[1][FLAG] > 0.5
-
-
-def _pressed(state: State, objects: tuple[Object, ...]) -> bool:
-    return state[objects[-1]][FLAG] > 0.5
-
-
-def _robot_above_button(state: State, objects: tuple[Object, ...]) -> bool:
-    return _robot_above(state[objects[0]], state[objects[1]])
-
-
-def _stick_above_button(state: State, objects: tuple[Object, ...]) -> bool:
-    return _stick_above(state[objects[0]], state[objects[1]])
-
-
-CLASSIFIERS: Mapping[Predicate, Classifier] = {
-    ABOVE_NO_BUTTON: _above_no_button,
-    GRASPED: _grasped,
-    HAND_EMPTY: _hand_empty,
-    PRESSED: _pressed,
-    ROBOT_ABOVE_BUTTON: _robot_above_button,
-    STICK_ABOVE_BUTTON: _stick_above_button,
-}
-
-# --------------------------------------------------------------------------------------- transition
-
-
-def simulate(state: State, action: Array) -> State:
-    """Return the next state. Source: spec, stick_button.md section 4; the comments count its rules."""
-    dx, dy, force = _checked(action)
-    dx, dy = STEP * dx, STEP * dy  # 1
-    robot_name, (x, y) = _only(state, GRIPPER)
-    x, y = x + dx, y + dy
-    if not (0.0 + RADIUS <= x <= WORLD_X - RADIUS and 0.0 + RADIUS <= y <= ZONE_Y - RADIUS):  # 2
-        raise EnvironmentFailure("the robot left its zone")
-    changes: dict[str, Features] = {robot_name: (x, y)}  # 3
-    stick_name, (stick_x, stick_y, held) = _only(state, STICK)
-    if held > 0.5:  # 4
-        stick_x, stick_y = stick_x + dx, stick_y + dy
-        changes[stick_name] = (stick_x, stick_y, held)
-    if force > 0:  # 5
-        robot = Circle(x, y, RADIUS)
-        if held <= 0.5 and rectangle_meets_circle(_stick(stick_x, stick_y), robot):
-            _, (holder_x, holder_y) = _only(state, HOLDER)
-            holder = Rectangle(holder_x, holder_y, HOLDER_LENGTH, HOLDER_THICKNESS, UPRIGHT)
-            if rectangle_meets_circle(holder, robot):
-                raise EnvironmentFailure("the robot collided with the holder")
-            changes[stick_name] = (stick_x, stick_y, 1.0)
-        tip = _tip(stick_x, stick_y)
-        for obj in state.by_type.get(BUTTON.name, ()):
-            button = state.features[obj.name]
-            disc = _disc(button)
-            if rectangle_meets_circle(tip, disc) if held > 0.5 else circles_meet(robot, disc):
-                changes[obj.name] = (button[X], button[Y], 1.0)
-    return state.changed(changes)
-
-
-def _checked(action: Array) -> list[float]:
-    """Return an action as Python floats; raise ValueError where it is outside the box."""
-    values: list[float] = action.tolist()
-    if len(values) != 3 or not all(-1 <= v <= 1 for v in values):
-        raise ValueError(f"action {values} is not in the box (dx, dy, force, all in [-1, 1])")
-    return values
-
 
 # --------------------------------------------------------------------------------- oracle skills
 
@@ -171,7 +76,7 @@ def _towards(target: tuple[float, float], x: float, y: float) -> Array:
 
 def _press_by_hand(state: State, objects: tuple[Object, ...], _: float) -> Array:
     robot, button = state[objects[0]], state[objects[1]]
-    if _robot_above(robot, button):
+    if robot_above(robot, button):
         return PRESS
     return _towards((button[X], button[Y]), *robot)
 
@@ -188,8 +93,8 @@ def _pick(state: State, objects: tuple[Object, ...], share: float) -> Array:
 
 def _press_by_stick(state: State, objects: tuple[Object, ...], _: float) -> Array:
     stick, button = state[objects[1]], state[objects[2]]
-    tip = _tip(stick[X], stick[Y])
-    if rectangle_meets_circle(tip, _disc(button)):
+    tip = tip_shape(stick[X], stick[Y])
+    if rectangle_meets_circle(tip, disc_shape(button)):
         return PRESS
     return _towards((button[X], button[Y]), tip.x, tip.y)
 
@@ -268,7 +173,7 @@ def _operators() -> tuple[Skill, ...]:
             by_stick,
         ),
     )
-    terminals = {by_hand: _second_is_pressed, by_stick: _third_is_pressed, pick: _grasped}
+    terminals = {by_hand: _second_is_pressed, by_stick: _third_is_pressed, pick: is_grasped}
     return tuple(
         Skill(
             Operator(name, parameters, frozenset(needs), frozenset(adds), frozenset(deletes)),
@@ -288,10 +193,11 @@ def _place(
 ) -> tuple[float, float]:
     """Draw a position whose surroundings are free."""
     least = RADIUS + SPACING
-    while True:
+    for _ in range(MAX_TRIES):
         x, y = rng.uniform(least, most_x), rng.uniform(least, most_y)
         if not any(circles_meet(Circle(x, y, least), other) for other in taken):
             return x, y
+    raise InputError("stick_button: no room for so many buttons: ask for fewer")
 
 
 def _sample_state(rng: np.random.Generator, count: int) -> State:
@@ -307,10 +213,12 @@ def _sample_state(rng: np.random.Generator, count: int) -> State:
     robot = _place(rng, WORLD_X - least, ZONE_Y - least, taken)
     features[Object("robby", GRIPPER)] = robot
     taken.append(Circle(*robot, least))
-    while True:
+    for _ in range(MAX_TRIES):
         x, y = rng.uniform(least, WORLD_X - least), rng.uniform(least, STICK_START_Y)
-        if not any(rectangle_meets_circle(_stick(x, y), circle) for circle in taken):
+        if not any(rectangle_meets_circle(stick_shape(x, y), circle) for circle in taken):
             break
+    else:
+        raise InputError("stick_button: no room for the stick among so many buttons: ask for fewer")
     features[Object("stick", STICK)] = (x, y, 0.0)
     reach = highest - ZONE_Y
     while True:
@@ -342,7 +250,11 @@ class StickButton:
     action_high = np.array([1, 1, 1], np.float32)
     horizon = 100
     rollout_limit = 50
-    budget = Budget(abstract_plans=1000, samples_per_step=10)
+    budget = Budget(abstract_plans=1000, samples_per_step=10, samples_per_plan=100)
+
+    def __post_init__(self) -> None:
+        if not all(counts and min(counts) >= 1 for counts in (self.train_buttons, self.test_buttons)):
+            raise ValueError("train_buttons and test_buttons are one or more numbers above 0")
 
     def simulate(self, state: State, action: Array) -> State:
         """Return the next state; the action is (dx, dy, force)."""
@@ -385,14 +297,14 @@ def draw(state: State, caption: str = "") -> Image:
         x, y, pressed = state[obj]
         canvas.disc(x, y, RADIUS, BLUE if pressed > 0.5 else YELLOW, opacity=0.75, edge=BLACK, thickness=1)
         canvas.text(x, y + 0.22, obj.name, 11)
-    _, (x, y) = _only(state, HOLDER)
+    _, (x, y) = only(state, HOLDER)
     holder = Rectangle(x, y, HOLDER_LENGTH, HOLDER_THICKNESS, UPRIGHT)
     canvas.polygon(list(holder.vertices()), GRAY)
-    _, (x, y, held) = _only(state, STICK)
+    _, (x, y, held) = only(state, STICK)
     edge = BLACK if held > 0.5 else WHITE
-    canvas.polygon(list(_stick(x, y).vertices()), FIREBRICK, edge=edge, thickness=1)
-    canvas.polygon(list(_tip(x, y).vertices()), BROWN)
-    _, (x, y) = _only(state, GRIPPER)
+    canvas.polygon(list(stick_shape(x, y).vertices()), FIREBRICK, edge=edge, thickness=1)
+    canvas.polygon(list(tip_shape(x, y).vertices()), BROWN)
+    _, (x, y) = only(state, GRIPPER)
     canvas.disc(x, y, RADIUS, RED, edge=BLACK, thickness=1)
     canvas.caption(caption.split("\n") if caption else [])
     return canvas.finish()

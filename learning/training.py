@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
-from math import sqrt
+from math import cos, pi, sqrt
 from typing import TypeAlias
 
 import numpy as np
@@ -37,12 +37,18 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Training:
-    """How to fit one network; ``stop`` None means all iterations."""
+    """How to fit one network; ``stop`` None means all iterations.
+
+    Of more than ``max_rows`` rows of data a random subset is used: what small networks learn from thousands
+    of similar rows does not need all of them.
+    """
 
     iterations: int
     stop: Stop | None = None
     hidden: tuple[int, ...] = (32, 32)
     learning_rate: float = 1e-3
+    decay: bool = False  # of the learning rate, to zero at the last iteration
+    max_rows: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,6 +186,9 @@ def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: T
     """
     scaling = Scaling.of(inputs)
     varying = np.flatnonzero(inputs.max(axis=0) > inputs.min(axis=0))
+    if training.max_rows is not None and len(inputs) > training.max_rows:
+        chosen = np.random.default_rng(seed).choice(len(inputs), training.max_rows, replace=False)
+        inputs, targets = inputs[chosen], targets[chosen]
     columns = torch.from_numpy(np.ascontiguousarray(scaling.apply(inputs)[:, varying].T))
     wanted = torch.from_numpy(np.ascontiguousarray(targets.T))
     model = _Perceptron(columns, outputs, training.hidden, inputs.shape[1], seed)
@@ -198,7 +207,10 @@ def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: T
         mean.lerp_(model.gradient, 1 - BETA1)
         square.mul_(BETA2).addcmul_(model.gradient, model.gradient, value=1 - BETA2)
         spread = (square / (1 - BETA2**iteration)).sqrt_().add_(EPSILON)
-        model.flat.addcdiv_(mean, spread, value=-training.learning_rate / (1 - BETA1**iteration))
+        rate = training.learning_rate
+        if training.decay:  # half a cosine
+            rate *= 0.5 * (1 + cos(pi * iteration / training.iterations))
+        model.flat.addcdiv_(mean, spread, value=-rate / (1 - BETA1**iteration))
     (weights, biases), *rest = model.layers(best)
     full = np.zeros((len(weights), inputs.shape[1]), np.float32)
     full[:, varying] = weights

@@ -46,6 +46,9 @@ def model_names(domain: Domain, problem: Problem | None = None) -> dict[str, str
             raise InputError(f"'{name}' and '{spelled[low]}' are both '{low}' in PDDL: rename one")
         spelled[low] = name
         others.add(kind)
+    for constant in domain.constants:
+        if "type" in used[constant.name.lower()]:
+            raise InputError(f"'{constant.name}' names a type and a constant: rename one")
     for title in [domain.name] + ([problem.name] if problem else []):
         low = title.lower()
         if not NAME.match(low):

@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from envs.coffee import (
+from envs._coffee_world import (
     BUTTON,
     CUP,
     CUP_FILLED,
-    ENVIRONMENT,
     GRIPPER,
     HAND_EMPTY,
     IS_TWISTING,
@@ -25,9 +24,9 @@ from envs.coffee import (
     POT_ON_PLATE,
     PRESSING_BUTTON,
     ROBOT_ABOVE_CUP,
-    Coffee,
     simulate,
 )
+from envs.coffee import ENVIRONMENT, Coffee
 from symbolic import planners
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import EnvironmentFailure, Split, abstract, sample_tasks

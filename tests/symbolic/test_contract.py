@@ -86,8 +86,8 @@ def nan_task(split: Split, index: int, rng: np.random.Generator) -> Task:
     return task_of(frozenset({IS_OPEN(DOOR_0)}), State.of({**START, DOOR_0: (float("nan"),)}))
 
 
-def hand_called_door_task(split: Split, index: int, rng: np.random.Generator) -> Task:
-    door = Object("door", DOOR)
+def numbered_door_task(split: Split, index: int, rng: np.random.Generator) -> Task:
+    door = Object("2nd-door", DOOR)
     state = State.of({HAND_0: (0.0, 0.0), DOOR_0: (0.0,), door: (0.0,)})
     return task_of(frozenset({IS_OPEN(DOOR_0)}), state)
 
@@ -244,9 +244,9 @@ CASES: dict[str, tuple[object, str, str]] = {
     "twins": (with_classifier(TWIN, never), "names", "two predicates are called 'haskey'"),
     "title": (toy(name="my toy"), "names", "'my toy' is no PDDL name"),
     "object name": (
-        toy(sample_task=hand_called_door_task),
+        toy(sample_task=numbered_door_task),
         "object names",
-        "'door' names a type and an object",
+        "object '2nd-door' is no PDDL name",
     ),
     "no task": (toy(sample_task=no_task), "tasks", "train task 0: sample_task gave a dict"),
     "signature": (toy(sample_task=task_in_a_hurry), "tasks", "TypeError: task_in_a_hurry.* takes 2"),

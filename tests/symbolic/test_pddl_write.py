@@ -8,7 +8,7 @@ from hypothesis import assume, example, given, settings
 
 from symbolic.errors import InputError
 from symbolic.pddl.read import parse_domain, parse_problem
-from symbolic.pddl.write import model_names, write_domain, write_problem
+from symbolic.pddl.write import model_names, object_names, write_domain, write_problem
 from symbolic.structs import OBJECT, Domain, Object, Operator, Predicate, Problem, Type, Variable
 from tests.symbolic._problems import COVER, cover_problem, tasks
 from tests.symbolic._texts import DOMAIN, PROBLEM, read_back
@@ -105,7 +105,7 @@ READY = Predicate("Ready", ())
             Domain("d", (BLOCK,), (Predicate("block", ()),), ()),
             "'block' and 'Block' are both 'block' in PDDL",
         ),
-        (Domain("d", (BLOCK,), (), (), (Object("Block", BLOCK),)), "'Block' names a type and an object"),
+        (Domain("d", (BLOCK,), (), (), (Object("Block", BLOCK),)), "'Block' names a type and a constant"),
         (Domain("d", (), (Predicate("2nd", ()),), ()), "predicate '2nd' is no PDDL name"),
         (Domain("d", (), (), (), (Object("a b", OBJECT),)), "object 'a b' is no PDDL name"),
         (Domain("d", (Type("größe"),), (), ()), "type 'größe' is no PDDL name"),
@@ -125,7 +125,6 @@ def test_names_that_pddl_cannot_hold_or_tell_apart_are_refused(domain: Domain, m
     [
         ("p", ("a", "A"), "two objects are called 'a' in PDDL"),
         ("p", ("block",), "'block' and 'Block' are both 'block' in PDDL"),
-        ("p", ("Block",), "'Block' names a type and an object"),
         ("p", ("Fixed",), "two objects are called 'fixed' in PDDL"),
         ("p:1", (), "'p:1' is no PDDL name"),
     ],
@@ -135,6 +134,21 @@ def test_names_of_a_problem_that_clash_are_refused(name: str, objects: tuple[str
     problem = Problem(name, tuple(Object(o, BLOCK) for o in objects), frozenset(), frozenset())
     with pytest.raises(InputError, match=f"^{message}"):
         write_problem(problem, domain)
+
+
+def test_objects_with_the_name_of_a_type_get_another_one() -> None:
+    domain = Domain("d", (BLOCK,), (ON,), ())
+    objects = tuple(Object(o, BLOCK) for o in ("Block", "block-object", "other"))
+    problem = Problem("p", objects, frozenset({ON(objects[0], objects[1])}), frozenset())
+    assert object_names(problem, domain) == {
+        "Block": "block-object-object",
+        "block-object": "block-object",
+        "other": "other",
+    }
+    text = write_problem(problem, domain)
+    assert "(on block-object-object block-object)" in text
+    again = parse_problem(text, domain, names={"block": "Block"})
+    assert {o.name for o in again.objects} == {"block-object-object", "block-object", "other"}
 
 
 def test_model_names_give_the_spelling_of_every_name() -> None:
