@@ -3,8 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/pip install --disable-pip-version-check -q -c constraints.txt
 RUN := runs/quickstart
+ENVIRONMENTS := cover doors stick_button coffee
 .DEFAULT_GOAL := help
-.PHONY: help quickstart test slow check pddl-out benchmark-cover benchmark-planners
+.PHONY: help quickstart test slow check pddl-out benchmark-environments benchmark-planners
 
 help:
 	@echo "make quickstart          learn Cover, export PDDL, plan with pyperplan, show the result"
@@ -12,7 +13,7 @@ help:
 	@echo "make slow                the tests that take longer"
 	@echo "make check               the gates without the tests"
 	@echo "make pddl-out            make pddl_out/ again"
-	@echo "make benchmark-cover     the README's table: five seeds, 1000 demonstrations"
+	@echo "make benchmark-environments  the README's figures: four environments, three seeds; half an hour"
 	@echo "make benchmark-planners  astar and pyperplan on the problems in pddl_out and ../shared"
 
 .venv/bin/pip:
@@ -53,12 +54,16 @@ slow: .venv/.dev
 	$(BIN)/pytest -n 2 -m slow
 
 pddl-out: .venv/.user
-	$(BIN)/bpns demos cover --count 1000 --seed 0 --out runs/pddl-out/cover.h5 --overwrite
-	$(BIN)/bpns learn runs/pddl-out/cover.h5 --out runs/pddl-out/cover --workers 2 --overwrite
-	$(BIN)/bpns export runs/pddl-out/cover --out pddl_out/cover --problems 10 --overwrite
+	@for e in $(ENVIRONMENTS); do \
+		$(BIN)/bpns demos $$e --count 1000 --seed 0 --out runs/pddl-out/$$e.h5 --overwrite && \
+		$(BIN)/bpns learn runs/pddl-out/$$e.h5 --out runs/pddl-out/$$e --workers 2 --overwrite && \
+		$(BIN)/bpns export runs/pddl-out/$$e --out pddl_out/$$e --problems 10 --overwrite || exit 1; \
+	done
 
-benchmark-cover: .venv/.user
-	$(BIN)/python benchmarks/cover.py --out runs/benchmark-cover
+benchmark-environments: .venv/.user
+	$(BIN)/python benchmarks/environments.py --out runs/benchmark
+	$(BIN)/python benchmarks/simulate.py
+	$(BIN)/python benchmarks/first_plan.py stick_button:test_buttons=10 coffee:test_cups=10 doors:rows=10:columns=10
 
 benchmark-planners: .venv/.dev
 	$(BIN)/python benchmarks/planners.py

@@ -1,19 +1,24 @@
 """Seconds to ground a problem and to find its first abstract plan, with the number of nodes it took.
 
-Takes PDDL problem files, or folders with all that is below them. A problem's domain file is the one of its
-folder that fits its name best: ``domain.pddl``, or ``domain01.pddl`` for ``task01.pddl``, or
-``doors-domain.pddl`` for ``doors-100.pddl``.
+Takes environments, whose first evaluation tasks it plans for with the oracle's operators, and PDDL problem
+files, or folders with all that is below them: ``doors:rows=10:columns=10 pddl_out``. A PDDL problem's domain
+file is the one of its folder that fits its name best: ``domain.pddl``, or ``domain01.pddl`` for
+``task01.pddl``, or ``doors-domain.pddl`` for ``doors-100.pddl``.
 """
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from time import monotonic
 
 import numpy as np
 
+import envs
 from symbolic import planners
+from symbolic.environment import domain_of as environment_domain
+from symbolic.environment import problem_of, sample_tasks
 from symbolic.errors import InputError
 from symbolic.grounding import GroundProblem, Unreachable, ground
 from symbolic.pddl.read import read_domain, read_problem
@@ -31,19 +36,26 @@ def domain_of(path: Path) -> Path | None:
     return next((file for file in choices if file != path and file.exists()), None)
 
 
-def pddl_tasks(paths: Sequence[Path]) -> Iterator[tuple[str, Domain, Problem]]:
-    """Yield a label, domain and problem for each PDDL problem among files and folders."""
-    for given in paths:
-        for path in sorted(given.rglob("*.pddl")) if given.is_dir() else [given]:
-            label = f"{path.parent.name}/{path.stem}"
-            domain_file = None if "domain" in path.name else domain_of(path)
-            if domain_file is None:
-                continue
-            try:
-                domain = read_domain(domain_file)
-                yield label, domain, read_problem(path, domain)
-            except InputError as error:
-                print(f"{label:28}{str(error).split(':', 3)[-1].strip()}")
+def pddl_tasks(given: Path) -> Iterator[tuple[str, Domain, Problem]]:
+    """Yield a label, domain and problem for a PDDL problem, or for all in a folder."""
+    for path in sorted(given.rglob("*.pddl")) if given.is_dir() else [given]:
+        label = f"{path.parent.name}/{path.stem}"
+        domain_file = None if "domain" in path.name else domain_of(path)
+        if domain_file is None:
+            continue
+        try:
+            domain = read_domain(domain_file)
+            yield label, domain, read_problem(path, domain)
+        except InputError as error:
+            print(f"{label:34}{str(error).split(':', 3)[-1].strip()}")
+
+
+def environment_tasks(name: str, count: int) -> Iterator[tuple[str, Domain, Problem]]:
+    """Yield a label, domain and problem for each of an environment's first evaluation tasks of seed 0."""
+    environment = envs.load(name)
+    domain = environment_domain(environment, (skill.operator for skill in environment.oracle_skills))
+    for number, task in enumerate(sample_tasks(environment, "test", count, 0)):
+        yield f"{name} {number}", domain, problem_of(environment, task)
 
 
 def first_plan(
@@ -68,20 +80,25 @@ def first_plan(
 def main() -> None:
     """Measure and print one row per problem; exit with 1 where a first plan took longer than allowed."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("paths", nargs="+", type=Path, help="PDDL problem files or folders")
+    parser.add_argument("what", nargs="+", help="environments, PDDL problem files, folders of these")
+    parser.add_argument("--tasks", type=int, default=10, help="of each environment")
     parser.add_argument("--planner", default="astar")
     parser.add_argument("--plans", type=int, default=1, help="how many plans to take (lengths are printed)")
     parser.add_argument("--seconds", type=float, default=30, help="when to give up on a problem")
     parser.add_argument("--allowed", type=float, help="most seconds for grounding and the first plan")
     arguments = parser.parse_args()
     slow = 0
-    print(f"{'problem':28}{'ground':>8}{'s':>8}{'steps':>7}{'nodes':>9}{'first s':>9}{'all s':>8}")
-    for label, domain, problem in pddl_tasks(arguments.paths):
+    print(f"{'problem':34}{'ground':>8}{'s':>8}{'steps':>7}{'nodes':>9}{'first s':>9}{'all s':>8}")
+    tasks = chain.from_iterable(
+        pddl_tasks(Path(what)) if Path(what).exists() else environment_tasks(what, arguments.tasks)
+        for what in arguments.what
+    )
+    for label, domain, problem in tasks:
         start = monotonic()
         found = ground(domain, problem)
         grounding = monotonic() - start
         if isinstance(found, Unreachable):
-            print(f"{label:28}{found}")
+            print(f"{label:34}{found}")
             continue
         lengths, first, total, record, nodes = first_plan(
             arguments.planner, found, arguments.plans, arguments.seconds
@@ -90,7 +107,7 @@ def main() -> None:
         counts = {n: lengths.count(n) for n in sorted(set(lengths))}
         tail = f"  {record.stopped_by}" + (f"  {counts}" if arguments.plans > 1 else "")
         print(
-            f"{label:28}{len(found.operators):8}{grounding:8.3f}{lengths[0] if lengths else '-':>7}"
+            f"{label:34}{len(found.operators):8}{grounding:8.3f}{lengths[0] if lengths else '-':>7}"
             f"{nodes:9}{first:9.3f}{total:8.2f}{tail}",
             flush=True,
         )

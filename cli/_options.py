@@ -40,6 +40,11 @@ timeout_option = click.option("--timeout", type=float, callback=_seconds, help="
 oracle_option = click.option(
     "--oracle", metavar="ENVIRONMENT", help="Use this environment's own skills, no model."
 )
+environment_option = click.option(
+    "--environment",
+    metavar="NAME",
+    help="Instead of the model's own: a variant such as stick_button:test_buttons=10.",
+)
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace what is there.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 workers_option = click.option(
@@ -61,8 +66,13 @@ class Subject:
     seed: int
 
 
-def load_subject(model: Path | None, oracle: str | None) -> Subject:
-    """Return a model's skills or an environment's own; exactly one must be named."""
+def load_subject(model: Path | None, oracle: str | None, variant: str | None = None) -> Subject:
+    """Return a model's skills or an environment's own; exactly one must be named.
+
+    ``variant`` is an environment for the model in place of the one that it was learned in.
+    """
+    if oracle is not None and variant is not None:
+        raise click.UsageError("--environment goes with a MODEL: give --oracle the variant itself")
     if (model is None) == (oracle is None):
         raise click.UsageError("give a MODEL folder or --oracle ENVIRONMENT (one of them)")
     if model is None:
@@ -70,7 +80,7 @@ def load_subject(model: Path | None, oracle: str | None) -> Subject:
         environment = envs.load(oracle)
         skills = {skill.operator.name: skill for skill in environment.oracle_skills}
         return Subject(f"oracle:{environment.name}", environment, skills, 0)
-    environment = envs.load(read_model_file(model).load)
+    environment = envs.load(variant or read_model_file(model).load)
     saved = read_model(model, environment)
     return Subject(model.name or str(model), environment, saved.skills, saved.seed)
 

@@ -14,6 +14,7 @@ from rich.table import Table
 
 from cli._options import (
     budget_of,
+    environment_option,
     json_option,
     load_subject,
     oracle_option,
@@ -44,6 +45,7 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
 @click.command()
 @click.argument("models", nargs=-1, type=click.Path(path_type=Path))
 @oracle_option
+@environment_option
 @click.option("--tasks", type=click.IntRange(1), default=50, show_default=True, help="Per seed.")
 @click.option("--seeds", callback=_seeds, help="Such as 0-4 (default: each model on its own seed).")
 @planner_option
@@ -55,6 +57,7 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
 def command(
     models: tuple[Path, ...],
     oracle: str | None,
+    environment: str | None,
     tasks: int,
     seeds: list[int] | None,
     planner: str,
@@ -71,7 +74,8 @@ def command(
     """
     if bool(models) == (oracle is not None):
         raise click.UsageError("give MODEL folders or --oracle ENVIRONMENT (one of them)")
-    subjects = [load_subject(model, None) for model in models] or [load_subject(None, oracle)]
+    chosen: list[Path | None] = [*models]
+    subjects = [load_subject(model, oracle, environment) for model in chosen or [None]]
     if len({subject.environment.name for subject in subjects}) > 1:
         raise click.UsageError("the models are of several environments: evaluate them one by one")
     work = [(subject, seeds or [subject.seed]) for subject in subjects]
@@ -82,12 +86,12 @@ def command(
     total = tasks * sum(len(own) for _, own in work)
     with progress_bar("evaluating") as progress:
         for index, (subject, own) in enumerate(work):
-            environment = subject.environment
+            world = subject.environment
             solver = Solver(
-                environment,
+                world,
                 subject.skills,
                 planners.load(planner),
-                budget_of(environment, plans, samples),
+                budget_of(world, plans, samples),
                 timeout,
             )
             note = partial(_note, progress, len(results), total)

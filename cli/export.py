@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from cli._options import MAX_SEED, load_subject, oracle_option, overwrite_option
+from cli._options import MAX_SEED, environment_option, load_subject, oracle_option, overwrite_option
 from symbolic.environment import domain_of, problem_of, sample_tasks
 from symbolic.errors import InputError
 from symbolic.files import check_output, write_text
@@ -14,6 +14,7 @@ from symbolic.pddl.write import write_domain, write_problem
 @click.command()
 @click.argument("model", type=click.Path(path_type=Path), required=False)
 @oracle_option
+@environment_option
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder.")
 @click.option("--problems", type=click.IntRange(0), default=10, show_default=True)
 @click.option(
@@ -21,24 +22,30 @@ from symbolic.pddl.write import write_domain, write_problem
 )
 @overwrite_option
 def command(
-    model: Path | None, oracle: str | None, out: Path, problems: int, seed: int | None, overwrite: bool
+    model: Path | None,
+    oracle: str | None,
+    environment: str | None,
+    out: Path,
+    problems: int,
+    seed: int | None,
+    overwrite: bool,
 ) -> None:
     """Write domain.pddl and p01.pddl, p02.pddl, ... (the first evaluation tasks) of MODEL."""
-    subject = load_subject(model, oracle)
-    environment = subject.environment
+    subject = load_subject(model, oracle, environment)
+    world = subject.environment
     seed = subject.seed if seed is None else seed
-    domain = domain_of(environment, (skill.operator for skill in subject.skills.values()))
-    source = f"{subject.label}: environment {environment.name}"
+    domain = domain_of(world, (skill.operator for skill in subject.skills.values()))
+    source = f"{subject.label}: environment {world.name}"
     texts = {}
     if model is not None:
         texts["domain.pddl"] = (model / "domain.pddl").read_text(encoding="utf-8")
     else:
         texts["domain.pddl"] = write_domain(domain, source)
     digits = max(2, len(str(problems)))
-    for index, task in enumerate(sample_tasks(environment, "test", problems, seed)):
+    for index, task in enumerate(sample_tasks(world, "test", problems, seed)):
         name = f"p{index + 1:0{digits}}"
-        problem = problem_of(environment, task, name)
-        header = f"evaluation task {index} of seed {seed}, environment {environment.name}"
+        problem = problem_of(world, task, name)
+        header = f"evaluation task {index} of seed {seed}, environment {world.name}"
         texts[f"{name}.pddl"] = write_problem(problem, domain, header)
     if (out / "skills.json").exists():
         raise InputError(

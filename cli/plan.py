@@ -17,6 +17,7 @@ from cli._options import (
     NOT_REFINED,
     Subject,
     budget_of,
+    environment_option,
     json_option,
     load_subject,
     oracle_option,
@@ -44,6 +45,7 @@ MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
 @click.command()
 @click.argument("model", type=click.Path(path_type=Path), required=False)
 @oracle_option
+@environment_option
 @click.option("--task", type=click.IntRange(0), help="Number of the evaluation task (default: 0).")
 @click.option("--problem", type=click.Path(path_type=Path), help="A PDDL problem: abstract plans only.")
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), help="Of tasks and planner (default: the model's).")
@@ -56,6 +58,7 @@ MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
 def command(
     model: Path | None,
     oracle: str | None,
+    environment: str | None,
     task: int | None,
     problem: Path | None,
     seed: int | None,
@@ -74,22 +77,22 @@ def command(
     if problem is not None:
         if task is not None or show is not None or samples is not None:
             raise click.UsageError("--task, --samples and --show need a task: leave --problem out")
-        domain = _domain(model, oracle)
+        domain = _domain(model, oracle, environment)
         _plan_problem(domain, problem, planner, plans or 1, seed or 0, timeout, as_json)
         return
     if model is not None and model.suffix == ".pddl":
         raise click.UsageError("a domain file has no skills: give --problem too, or a model folder")
-    subject = load_subject(model, oracle)
+    subject = load_subject(model, oracle, environment)
     _plan_task(subject, task or 0, seed, planner, plans, samples, timeout, show, as_json)
 
 
 # ----------------------------------------------------------------------------------- PDDL problems
 
 
-def _domain(model: Path | None, oracle: str | None) -> Domain:
+def _domain(model: Path | None, oracle: str | None, environment: str | None) -> Domain:
     if model is not None and oracle is None and not model.is_dir():
         return read_domain(model)
-    subject = load_subject(model, oracle)
+    subject = load_subject(model, oracle, environment)
     return domain_of(subject.environment, (skill.operator for skill in subject.skills.values()))
 
 

@@ -6,7 +6,7 @@ close cases cost geometry.
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import cos, sin, sqrt, tanh
+from math import cos, isfinite, sin, sqrt, tanh
 
 import numpy as np
 
@@ -210,6 +210,6 @@ _BOUND = float(np.float32(STEP))
 def _checked(action: Array) -> list[float]:
     """Return an action as Python floats; raise ValueError where it is outside the box."""
     values: list[float] = action.tolist()
-    if len(values) != 3 or not all(abs(v) <= _BOUND for v in values[:2]) or values[2] != values[2]:
+    if len(values) != 3 or not all(abs(v) <= _BOUND for v in values[:2]) or not isfinite(values[2]):
         raise ValueError(f"action {values} is not in the box (dx, dy in +-{STEP}, any rotation)")
     return values

@@ -216,6 +216,7 @@ def _oracle_skills() -> tuple[Skill, ...]:
 
 # -------------------------------------------------------------------------------------- environment
 
+MOST_OBSTACLES = 4  # that surely fit around a room's center
 
 @dataclass(frozen=True, slots=True)
 class Doors:
@@ -240,11 +241,14 @@ class Doors:
     budget = Budget(abstract_plans=8, samples_per_step=10)
 
     def __post_init__(self) -> None:
-        least, most = self.room_share
-        if not 0 <= least <= most <= 1 or int(least * self.rows * self.columns) < 2:
-            raise ValueError("rows, columns and room_share (least,most, in 0..1) leave no two rooms at least")
-        if not 0 <= self.obstacles[0] <= self.obstacles[1]:
-            raise ValueError("obstacles are least,most in a room")
+        if min(self.rows, self.columns) < 1:
+            raise ValueError("rows and columns are numbers above 0")
+        if len(self.room_share) != 2 or not 0 <= self.room_share[0] <= self.room_share[1] <= 1:
+            raise ValueError("room_share is two numbers in 0..1: least,most")
+        if int(self.room_share[0] * self.rows * self.columns) < 2:
+            raise ValueError("there must be two rooms at least: more rows, columns or room_share")
+        if len(self.obstacles) != 2 or not 0 <= self.obstacles[0] <= self.obstacles[1] <= MOST_OBSTACLES:
+            raise ValueError(f"obstacles is two numbers in 0..{MOST_OBSTACLES}: least,most in a room")
 
     def simulate(self, state: State, action: Array) -> State:
         """Return the next state; the action is (dx, dy, rotation), the last one absolute."""

@@ -1,13 +1,12 @@
 """Trained networks at inference: numpy only, so that planning never imports torch."""
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array32: TypeAlias = NDArray[np.float32]
-Part: TypeAlias = Literal["policy", "generator", "discriminator"]  # of a skill
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -73,26 +73,31 @@ def _other_bindings(data: OperatorData, member: Member) -> list[tuple[Object, ..
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnedSampler:
-    """Draws from the generator's Gaussian until the discriminator, if there is one, accepts."""
+    """Draws from a random generator's Gaussian until the discriminator, if there is one, accepts.
+
+    Several generators, trained from different initial weights, agree where demonstrations are dense and
+    differ where they are scarce: together they admit what each alone does not know.
+    """
 
     changing: Changing
-    generator: Network | None  # last layer: D scaled means, D raw variances; None where D is 0
+    generators: tuple[Network, ...]  # last layer: D scaled means, D raw variances; empty where D is 0
     subgoals: Scaling
     discriminator: Network | None  # last layer: one logit
-    folded_generator: Folded | None
+    folded_generators: tuple[Folded, ...]
     folded_discriminator: Folded | None
 
     @classmethod
     def of(
         cls,
         changing: Changing,
-        generator: Network | None,
+        generators: tuple[Network, ...],
         subgoals: Scaling,
         discriminator: Network | None,
     ) -> "LearnedSampler":
         """Prepare trained networks for use."""
-        folded = [Folded.of(network) if network else None for network in (generator, discriminator)]
-        return cls(changing, generator, subgoals, discriminator, *folded)
+        folded = tuple(Folded.of(network) for network in generators)
+        accepts = Folded.of(discriminator) if discriminator else None
+        return cls(changing, generators, subgoals, discriminator, folded, accepts)
 
     @property
     def dimension(self) -> int:
@@ -100,19 +105,14 @@ class LearnedSampler:
         return len(self.changing)
 
     def sample(self, state: State, objects: tuple[Object, ...], rng: np.random.Generator) -> Array:
-        """Return a subgoal, (D,) float32; the generator runs once for all draws."""
-        if self.folded_generator is None:
+        """Return a subgoal, (D,) float32."""
+        if not self.folded_generators:
             return np.zeros(0, np.float32)
         row = np.array([1.0, *state.vector(objects)])
-        output = self.folded_generator(row)
-        mean, raw = output[: self.dimension], output[self.dimension :]
-        variance = np.where(raw > 0, raw + 1, np.exp(np.minimum(raw, 0)))  # ELU(raw) + 1
-        center = mean * self.subgoals.scale + self.subgoals.shift
-        spread = np.sqrt(variance) * self.subgoals.scale
         draws = 0
         while True:
             count = 1 if draws == 0 else MAX_DRAWS - draws  # the first is mostly good
-            subgoals = (center + spread * rng.standard_normal((count, self.dimension))).astype(np.float32)
+            subgoals = self._draw(row, count, rng)
             draws += count
             if self.folded_discriminator is None:
                 return np.asarray(subgoals[0])
@@ -120,3 +120,14 @@ class LearnedSampler:
             accepted = np.flatnonzero(self.folded_discriminator(rows)[:, 0] > 0)
             if len(accepted) or draws == MAX_DRAWS:
                 return np.asarray(subgoals[accepted[0] if len(accepted) else -1])
+
+    def _draw(self, row: NDArray[np.float64], count: int, rng: np.random.Generator) -> Array:
+        """Return subgoals of one generator, (count, D) float32."""
+        chosen = rng.integers(len(self.folded_generators))
+        output = self.folded_generators[chosen](row)
+        mean, raw = output[: self.dimension], output[self.dimension :]
+        variance = np.where(raw > 0, raw + 1, np.exp(np.minimum(raw, 0)))  # ELU(raw) + 1
+        center = mean * self.subgoals.scale + self.subgoals.shift
+        spread = np.sqrt(variance) * self.subgoals.scale
+        noise = rng.standard_normal((count, self.dimension))
+        return np.asarray(center + spread * noise, np.float32)

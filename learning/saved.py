@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
-from learning.networks import Array32, Network, Part, Scaling
+from learning.networks import Array32, Network, Scaling
 from learning.policies import Changing, LearnedPolicy
 from learning.samplers import LearnedSampler
 from symbolic.environment import Environment, domain_of
@@ -25,7 +25,7 @@ from symbolic.pddl.write import model_names, write_domain
 from symbolic.skills import GivenPolicy, Skill
 from symbolic.structs import Domain, LiftedAtom, Object, Operator, Variable
 
-FORMAT = "bpns model 1"
+FORMAT = "bpns model 2"
 FILES = ("domain.pddl", "skills.json", "skills.safetensors", "run.json")
 
 
@@ -46,7 +46,7 @@ class SkillEntry(BaseModel):
     max_actions: int | None  # in one roll-out; null: the environment's limit alone
     segments: int  # that it was learned from
     demonstrations: int  # that these segments are of
-    training: dict[Part, tuple[float, int]]  # network -> best loss, iterations
+    training: dict[str, tuple[float, int]]  # network -> best loss, iterations
     given: GivenEntry | None = None  # instead of learned networks
 
 
@@ -128,7 +128,7 @@ def check_model_output(folder: Path, overwrite: bool) -> None:
 
 
 def entry_of(
-    skill: Skill, segments: int, demonstrations: int, training: Mapping[Part, tuple[float, int]]
+    skill: Skill, segments: int, demonstrations: int, training: Mapping[str, tuple[float, int]]
 ) -> SkillEntry:
     """Describe a learned skill for skills.json."""
     parameters = skill.operator.parameters
@@ -157,7 +157,8 @@ def _tensors(skill: Skill) -> dict[str, Array32]:
     assert isinstance(policy, LearnedPolicy)
     assert isinstance(sampler, LearnedSampler)
     found: dict[str, Array32] = {}
-    parts = {"policy": policy.network, "generator": sampler.generator, "discriminator": sampler.discriminator}
+    parts = {"policy": policy.network, "discriminator": sampler.discriminator}
+    parts |= {f"generator-{number}": network for number, network in enumerate(sampler.generators)}
     for part, network in parts.items():
         if network is not None:
             found[f"{part}.inputs.shift"] = network.inputs.shift
@@ -324,11 +325,13 @@ def _skill(
     policy = LearnedPolicy.of(
         changing, network("policy", size + dimension, actions), scaling("policy.outputs", actions), box
     )
-    generator = network("generator", size, 2 * dimension) if dimension else None
+    members = sum(n.startswith(f"{operator.name}.generator-") and n.endswith(".0.weights") for n in tensors)
+    count = max(1, members) if dimension else 0  # none in the file is a fault, reported as missing
+    generators = tuple(network(f"generator-{i}", size, 2 * dimension) for i in range(count))
     discriminator = None
     if f"{operator.name}.discriminator.0.weights" in tensors:
         discriminator = network("discriminator", size + dimension, 1)
-    sampler = LearnedSampler.of(changing, generator, scaling("generator.outputs", dimension), discriminator)
+    sampler = LearnedSampler.of(changing, generators, scaling("generator.outputs", dimension), discriminator)
     return Skill(operator, policy, sampler, max_actions=entry.max_actions)
 
 

@@ -1,13 +1,13 @@
 """Demonstrations -> skills: the whole of learning, step by step."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from learning.demonstrations import Demonstrations
-from learning.networks import Array32, Network, Part, Scaling
+from learning.networks import Array32, Network, Scaling
 from learning.operators import OperatorData, learn_operators
 from learning.parallel import parallel_map
 from learning.policies import Changing, LearnedPolicy, changing_features, policy_examples
@@ -16,7 +16,6 @@ from learning.segmentation import segment
 from learning.training import (
     Fitted,
     Loss,
-    Stop,
     Training,
     binary_cross_entropy,
     fit,
@@ -27,17 +26,20 @@ from symbolic.environment import Environment
 from symbolic.errors import InputError
 from symbolic.skills import Skill
 
-DEFAULT_POLICY = Training(10_000, Stop(1000, 1e-6))
-DEFAULT_GENERATOR = Training(50_000, Stop(1000, 1e-2))
-DEFAULT_DISCRIMINATOR = Training(10_000, Stop(1000, 1e-3))
+MEMBER_SEEDS = 1_000_003  # between the seeds of networks that are alike
+
+DEFAULT_POLICY = Training(5000, learning_rate=1e-2, decay=True, held_out=0.1, max_rows=2500)
+DEFAULT_GENERATOR = Training(7000, learning_rate=1e-2, decay=True, held_out=0.1)
+DEFAULT_DISCRIMINATOR = Training(1000, learning_rate=1e-2, decay=True, held_out=0.1)
 
 
 @dataclass(frozen=True, slots=True)
 class SkillConfig:
-    """The paper's settings (spec, hyperparameters.md), with two savings that cost no success.
+    """How to learn. ``full`` gives the paper's settings (spec, hyperparameters.md).
 
-    Training stops when a loss has settled, and a roll-out that takes far longer than any demonstration is
-    given up. ``full`` switches both off: every iteration, and only the environment's roll-out limit.
+    By default networks are trained faster, which costs no success: with a high learning rate that falls, and
+    with numbers of iterations that all policies and all generators share, so that learning time is bounded
+    however many skills there are. And a roll-out that takes far longer than any demonstration is given up.
     """
 
     min_share: float = 0.01  # of all segments, below which an operator is dropped
@@ -45,16 +47,21 @@ class SkillConfig:
     policy: Training = DEFAULT_POLICY
     generator: Training = DEFAULT_GENERATOR
     discriminator: Training = DEFAULT_DISCRIMINATOR
+    generators: int = 3  # of one skill
+    policy_iterations: int | None = 24_000  # of all policies together
+    generator_iterations: int | None = 21_000  # of all generators together
 
     @classmethod
     def full(cls) -> "SkillConfig":
         """Return the paper's iterations and roll-out limit."""
-        discriminator = Training(10_000, Stop(5000, 0.0))
         return cls(
             patience=None,
             policy=Training(10_000),
             generator=Training(50_000),
-            discriminator=discriminator,
+            discriminator=Training(10_000, patience=5000),
+            generators=1,
+            policy_iterations=None,
+            generator_iterations=None,
         )
 
 
@@ -65,7 +72,7 @@ class LearnedSkill:
     skill: Skill
     segments: int
     demonstrations: int
-    fits: dict[Part, tuple[float, int]]
+    fits: dict[str, tuple[float, int]]  # by network
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,12 +80,13 @@ class _Job:
     """One network to train."""
 
     operator: int
-    part: Part
+    part: str  # policy, generator-0, generator-1, ..., discriminator
     inputs: Array32
     targets: Array32
     scaling: Scaling
     loss: Loss
     training: Training
+    member: int = 0  # of several alike, each with its own initial weights
 
 
 def learn_skills(
@@ -101,6 +109,7 @@ def learn_skills(
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no segment")
     operators = learn_operators(segments, config.min_share)
     changing = [() if operator.given else changing_features(operator) for operator in operators]
+    config = _shared_out(config, sum(operator.given is None for operator in operators))
     rng = np.random.default_rng(seed)
     jobs = [
         job
@@ -108,7 +117,7 @@ def learn_skills(
         if operator.given is None
         for job in _jobs(number, operator, features, config, rng)
     ]
-    fitted: dict[tuple[int, Part], tuple[Fitted, Scaling]] = {}
+    fitted: dict[tuple[int, str], tuple[Fitted, Scaling]] = {}
     results = parallel_map(partial(_train, seed), jobs, workers)
     for done, (job, result) in enumerate(zip(jobs, results, strict=True), 1):
         fitted[job.operator, job.part] = result, job.scaling
@@ -129,6 +138,20 @@ def learn_skills(
     return tuple(learned)
 
 
+def _shared_out(config: SkillConfig, skills: int) -> SkillConfig:
+    """Give every network its part of the iterations that all share."""
+
+    def limited(training: Training, total: int | None, networks: int) -> Training:
+        most = training.iterations if total is None else min(training.iterations, total // max(1, networks))
+        return replace(training, iterations=max(1, most))
+
+    return replace(
+        config,
+        policy=limited(config.policy, config.policy_iterations, skills),
+        generator=limited(config.generator, config.generator_iterations, skills * config.generators),
+    )
+
+
 def _jobs(
     number: int, operator: OperatorData, changing: Changing, config: SkillConfig, rng: np.random.Generator
 ) -> Iterator[_Job]:
@@ -140,7 +163,9 @@ def _jobs(
     inputs, subgoals = generator_examples(operator, changing)
     scaling = Scaling.of_targets(subgoals)
     loss = gaussian_negative_log_likelihood
-    yield _Job(number, "generator", inputs, subgoals, scaling, loss, config.generator)
+    for member in range(config.generators):
+        name = f"generator-{member}"
+        yield _Job(number, name, inputs, subgoals, scaling, loss, config.generator, member)
     examples = discriminator_examples(operator, changing, rng)
     if examples is not None:
         labels = Scaling(np.zeros(1, np.float32), np.ones(1, np.float32))
@@ -154,8 +179,9 @@ def _train(seed: int, job: _Job) -> Fitted:
     if not len(varying):
         return Fitted(_constant(job), 0.0, 0)
     targets = ((job.targets - job.scaling.shift)[:, varying] / job.scaling.scale[varying]).astype(np.float32)
-    heads = 2 if job.part == "generator" else 1
-    fitted = fit(job.inputs, targets, job.loss, heads * len(varying), job.training, seed)
+    heads = _heads(job)
+    own_seed = seed + MEMBER_SEEDS * job.member
+    fitted = fit(job.inputs, targets, job.loss, heads * len(varying), job.training, own_seed)
     total = job.targets.shape[1]
     rows = np.concatenate([head * total + varying for head in range(heads)])
     weights, biases = fitted.network.layers[-1]
@@ -166,10 +192,15 @@ def _train(seed: int, job: _Job) -> Fitted:
     return Fitted(Network(fitted.network.inputs, layers), fitted.loss, fitted.iterations)
 
 
+def _heads(job: _Job) -> int:
+    """Return how many outputs there are for each target: means and variances, or values."""
+    return 2 if job.loss is gaussian_negative_log_likelihood else 1
+
+
 def _constant(job: _Job) -> Network:
     """Return a network for targets that never vary: scaled, they are zero."""
     columns, total = job.inputs.shape[1], job.targets.shape[1]
-    outputs = 2 * total if job.part == "generator" else total
+    outputs = _heads(job) * total
     layer = np.zeros((outputs, columns), np.float32), np.zeros(outputs, np.float32)
     return Network(Scaling.of(job.inputs), (layer,))
 
@@ -177,20 +208,20 @@ def _constant(job: _Job) -> Network:
 def _assemble(
     data: OperatorData,
     changing: Changing,
-    fitted: dict[Part, tuple[Fitted, Scaling]],
+    fitted: dict[str, tuple[Fitted, Scaling]],
     box: tuple[Array32, Array32],
     patience: int | None,
 ) -> Skill:
     """Put an operator and its networks together."""
     policy, actions = fitted["policy"]
     nothing = Scaling(np.zeros(0, np.float32), np.zeros(0, np.float32))
-    generator = fitted["generator"][0].network if "generator" in fitted else None
+    generators = tuple(result.network for part, (result, _) in fitted.items() if part.startswith("generator"))
     discriminator = fitted["discriminator"][0].network if "discriminator" in fitted else None
-    subgoals = fitted["generator"][1] if "generator" in fitted else nothing
+    subgoals = fitted["generator-0"][1] if generators else nothing
     longest = max(len(member.segment.trajectory.actions) for member in data.members)
     return Skill(
         data.operator,
         LearnedPolicy.of(changing, policy.network, actions, box),
-        LearnedSampler.of(changing, generator, subgoals, discriminator),
+        LearnedSampler.of(changing, generators, subgoals, discriminator),
         max_actions=None if patience is None else patience * longest,
     )

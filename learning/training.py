@@ -14,6 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from learning.networks import Array32, Network, Scaling
@@ -23,37 +24,33 @@ Loss: TypeAlias = Callable[[Tensor, Tensor], tuple[float, Tensor]]
 BETA1, BETA2, EPSILON = 0.9, 0.999, 1e-8  # Adam's usual ones
 MIN_VARIANCE = 1e-6
 COLUMN_BLOCK = 16
+CHECK_EVERY = 10  # iterations: how often the loss on held-out rows is asked for
 
 _relu_backward = torch.ops.aten.threshold_backward.grad_input
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
-    """Stop once the best loss has fallen by at most ``min_gain`` over the last ``window`` iterations."""
-
-    window: int
-    min_gain: float
-
-
-@dataclass(frozen=True, slots=True)
 class Training:
-    """How to fit one network; ``stop`` None means all iterations.
+    """How to fit one network: at most so many iterations.
 
-    Of more than ``max_rows`` rows of data a random subset is used: what small networks learn from thousands
-    of similar rows does not need all of them.
+    With ``decay`` the learning rate falls to zero along half a cosine. With ``held_out``, that share of the
+    rows is kept apart and the loss on it decides which weights are best; otherwise the training loss does. Of
+    more than ``max_rows`` rows a random subset is used: what small networks learn from thousands of similar
+    rows does not need all of them. ``patience`` is after how many iterations without a better loss to stop.
     """
 
     iterations: int
-    stop: Stop | None = None
-    hidden: tuple[int, ...] = (32, 32)
     learning_rate: float = 1e-3
-    decay: bool = False  # of the learning rate, to zero at the last iteration
+    decay: bool = False
+    held_out: float = 0.0
     max_rows: int | None = None
+    patience: int | None = None
+    hidden: tuple[int, ...] = (32, 32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """A trained network, its best training loss and the iterations that it took."""
+    """A trained network, its best loss and the iterations that it took."""
 
     network: Network
     loss: float
@@ -104,11 +101,13 @@ def gaussian_negative_log_likelihood(outputs: Tensor, targets: Tensor) -> tuple[
 class _Perceptron:
     """Parameters in one vector, activations in fixed buffers, and gradients for all rows at once.
 
-    The buffers have a few more columns than there are rows of data, up to a multiple that matrix products
-    like; the error of these columns is always zero.
+    Only the first ``learned`` rows are learned from. The buffers have a few more columns than there are rows
+    of data, up to a multiple that matrix products like; the error of all other columns is always zero.
     """
 
-    def __init__(self, inputs: Tensor, outputs: int, hidden: tuple[int, ...], fan_in: int, seed: int) -> None:
+    def __init__(
+        self, inputs: Tensor, learned: int, outputs: int, hidden: tuple[int, ...], fan_in: int, seed: int
+    ) -> None:
         sizes = [len(inputs), *hidden, outputs]
         generator = torch.Generator().manual_seed(seed)
         shapes = [(b, a + 1) for a, b in pairwise(sizes)]
@@ -126,7 +125,7 @@ class _Perceptron:
         self.values = [a[:-1] for a in self.activations[1:]] + [torch.empty(outputs, columns)]
         self.outputs = self.values[-1][:, : self.rows]
         self.errors = [torch.zeros(size, columns) for size in sizes[1:]]
-        self.output_error = self.errors[-1][:, : self.rows]
+        self.output_error = self.errors[-1][:, :learned]
         self.values_by_row = [a[:-1].t() for a in self.activations]
         self.weights_by_input = [w[:, :-1].t() for w in self.weights]
         self.weight_gradients = [g[:, :-1] for g in self.gradients]
@@ -178,7 +177,7 @@ def _fast_small_numbers() -> Iterator[None]:
 
 @_fast_small_numbers()
 def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: Training, seed: int) -> Fitted:
-    """Fit a network to scaled targets; the weights with the lowest training loss are kept.
+    """Fit a network to scaled targets; the weights with the lowest loss are kept.
 
     Shapes: inputs (B, C), targets (B, T); the network's last layer has ``outputs`` values. Inputs are scaled
     here; columns that never vary get weight zero, as they carry nothing.
@@ -186,39 +185,56 @@ def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: T
     """
     scaling = Scaling.of(inputs)
     varying = np.flatnonzero(inputs.max(axis=0) > inputs.min(axis=0))
-    if training.max_rows is not None and len(inputs) > training.max_rows:
-        chosen = np.random.default_rng(seed).choice(len(inputs), training.max_rows, replace=False)
-        inputs, targets = inputs[chosen], targets[chosen]
-    columns = torch.from_numpy(np.ascontiguousarray(scaling.apply(inputs)[:, varying].T))
-    wanted = torch.from_numpy(np.ascontiguousarray(targets.T))
-    model = _Perceptron(columns, outputs, training.hidden, inputs.shape[1], seed)
-    mean, square = torch.zeros_like(model.flat), torch.zeros_like(model.flat)
-    best, best_loss = model.flat.clone(), float("inf")
-    history: list[float] = []  # the best loss before each iteration
-    for iteration in range(1, training.iterations + 2):  # the spec's 0..N
-        value, error = loss(model.forward(), wanted)
+    order, learned = _chosen_rows(len(inputs), training, seed)
+    columns = torch.from_numpy(np.ascontiguousarray(scaling.apply(inputs[order])[:, varying].T))
+    wanted, held = (
+        torch.from_numpy(np.ascontiguousarray(targets[rows].T)) for rows in (order[:learned], order[learned:])
+    )
+    model = _Perceptron(columns, learned, outputs, training.hidden, inputs.shape[1], seed)
+    adam = _Adam(model)
+    best, best_loss, best_at = model.flat.clone(), float("inf"), 0
+    for iteration in range(training.iterations + 1):  # the spec's 0..N
+        results = model.forward()
+        value, error = loss(results[:, :learned], wanted)
+        if len(order) > learned:
+            checked = iteration % CHECK_EVERY == 0
+            value = loss(results[:, learned:], held)[0] if checked else float("inf")
         if value < best_loss:
-            best_loss = value
+            best_loss, best_at = value, iteration
             best.copy_(model.flat)
-        history.append(best_loss)
-        if _settled(history, training.stop):
+        elif training.patience is not None and iteration - best_at > training.patience:
             break
         model.backward(error)
-        mean.lerp_(model.gradient, 1 - BETA1)
-        square.mul_(BETA2).addcmul_(model.gradient, model.gradient, value=1 - BETA2)
-        spread = (square / (1 - BETA2**iteration)).sqrt_().add_(EPSILON)
-        rate = training.learning_rate
-        if training.decay:  # half a cosine
-            rate *= 0.5 * (1 + cos(pi * iteration / training.iterations))
-        model.flat.addcdiv_(mean, spread, value=-rate / (1 - BETA1**iteration))
+        fall = 0.5 * (1 + cos(pi * iteration / training.iterations)) if training.decay else 1.0
+        adam.step(training.learning_rate * fall)
     (weights, biases), *rest = model.layers(best)
     full = np.zeros((len(weights), inputs.shape[1]), np.float32)
     full[:, varying] = weights
-    return Fitted(Network(scaling, ((full, biases), *rest)), best_loss, len(history))
+    return Fitted(Network(scaling, ((full, biases), *rest)), best_loss, iteration + 1)
 
 
-def _settled(history: list[float], stop: Stop | None) -> bool:
-    """Say whether the loss has stopped falling."""
-    if stop is None or len(history) <= stop.window:
-        return False
-    return history[-1 - stop.window] - history[-1] <= stop.min_gain
+def _chosen_rows(count: int, training: Training, seed: int) -> tuple[NDArray[np.intp], int]:
+    """Return the rows to use, in order, and how many of them are learned from; the others are held out."""
+    if training.max_rows is None and not training.held_out:
+        return np.arange(count), count
+    order = np.random.default_rng(seed).permutation(count)[: training.max_rows]
+    held = min(max(1, round(training.held_out * len(order))), len(order) - 1) if training.held_out else 0
+    return order, len(order) - held
+
+
+class _Adam:
+    """Adam's moments of all parameters. Source: Kingma and Ba, ICLR 2015."""
+
+    def __init__(self, model: _Perceptron) -> None:
+        self.model = model
+        self.mean, self.square = torch.zeros_like(model.flat), torch.zeros_like(model.flat)
+        self.steps = 0
+
+    def step(self, rate: float) -> None:
+        """Change the parameters by the gradient."""
+        self.steps += 1
+        gradient = self.model.gradient
+        self.mean.lerp_(gradient, 1 - BETA1)
+        self.square.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
+        spread = (self.square / (1 - BETA2**self.steps)).sqrt_().add_(EPSILON)
+        self.model.flat.addcdiv_(self.mean, spread, value=-rate / (1 - BETA1**self.steps))

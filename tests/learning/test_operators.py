@@ -35,7 +35,7 @@ def toy_trajectory() -> Trajectory:
 
 def test_segments_end_where_contacts_change_and_the_tail_is_dropped() -> None:
     trajectory = toy_trajectory()
-    first, second = segment(Toy(), trajectory)
+    first, second = segment(Toy(), trajectory, [None] * len(trajectory.actions))
     assert [len(s.trajectory.actions) for s in (first, second)] == [2, 1]
     assert first.trajectory.states[-1] is second.trajectory.states[0]
     assert first.add_effects == {HAS_KEY(HAND_0)}
@@ -46,7 +46,8 @@ def test_only_contact_predicates_cut() -> None:
     class Blind(Toy):
         contact_predicates = frozenset({IS_OPEN})
 
-    (only,) = segment(Blind(), toy_trajectory())
+    trajectory = toy_trajectory()
+    (only,) = segment(Blind(), trajectory, [None] * len(trajectory.actions))
     assert len(only.trajectory.actions) == 3
     assert only.add_effects == {IS_OPEN(DOOR_0)}
 

@@ -141,7 +141,7 @@ def change(name: str, old: str, new: str) -> Callable[[Path], None]:
         (change("skills.json", '"segments"', '"sections"'), "segments: Field required"),
         (change("skills.json", '"grip"', '"grasp"'), r"no feature \?x1.grasp"),
         (change("skills.json", '"cover"', '"doors"'), "was learned in 'doors'"),
-        (change("skills.json", "bpns model 1", "bpns model 9"), "format"),
+        (change("skills.json", "bpns model 2", "bpns model 9"), "format"),
         (lambda model: (model / "skills.safetensors").unlink(), "skills.safetensors is missing"),
     ],
 )

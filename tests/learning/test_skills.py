@@ -71,7 +71,7 @@ def test_nothing_to_learn() -> None:
 
 
 def test_cover_examples_are_as_specified(demonstrations: Demonstrations) -> None:
-    segments = [s for d in demonstrations.demonstrations for s in segment(COVER, d.trajectory)]
+    segments = [s for d in demonstrations.demonstrations for s in segment(COVER, d.trajectory, d.labels)]
     pick, place = learn_operators(segments)
     names = [
         [f"{operator.operator.parameters[p].type.name}.{operator.operator.parameters[p].type.features[f]}"

@@ -8,8 +8,8 @@ from torch import Tensor
 from learning.networks import Folded, Scaling
 from learning.training import (
     Loss,
-    Stop,
     Training,
+    _chosen_rows,
     _Perceptron,
     binary_cross_entropy,
     fit,
@@ -49,7 +49,7 @@ def test_losses_and_their_gradients(loss: Loss, reference: Loss, heads: int, sca
 def test_backward_is_autograd(hidden: tuple[int, ...], rows: int) -> None:
     generator = torch.Generator().manual_seed(1)
     inputs, targets = torch.rand(4, rows, generator=generator), torch.rand(2, rows, generator=generator)
-    model = _Perceptron(inputs, 2, hidden, 4, seed=0)
+    model = _Perceptron(inputs, rows, 2, hidden, 4, seed=0)
     parameters = [w.clone().requires_grad_() for w in model.weights]
     values = inputs
     for number, weights in enumerate(parameters):
@@ -65,7 +65,7 @@ def test_backward_is_autograd(hidden: tuple[int, ...], rows: int) -> None:
 
 
 def test_weights_start_as_in_pytorch() -> None:
-    model = _Perceptron(torch.rand(3, 5), 2, (400, 300), fan_in=9, seed=0)
+    model = _Perceptron(torch.rand(3, 5), 5, 2, (400, 300), fan_in=9, seed=0)
     for weights, fan_in in zip(model.weights, (9, 400, 300), strict=True):
         bound = fan_in**-0.5
         assert weights.abs().max() <= bound
@@ -83,7 +83,7 @@ def test_adam_as_in_pytorch() -> None:
     inputs, targets = rows()
     fitted = fit(inputs, targets, mean_squared_error, 2, Training(50), seed=3)
     varying = Scaling.of(inputs).apply(inputs)[:, [0, 2]]
-    start = _Perceptron(torch.from_numpy(varying.T.copy()), 2, (32, 32), 3, seed=3)
+    start = _Perceptron(torch.from_numpy(varying.T.copy()), 200, 2, (32, 32), 3, seed=3)
     layers = []
     for weights in start.weights:
         layer = torch.nn.Linear(weights.shape[1] - 1, weights.shape[0])
@@ -120,12 +120,47 @@ def test_the_best_weights_are_kept() -> None:
     assert reached == pytest.approx(fitted.loss, rel=1e-3)
 
 
-def test_early_stop() -> None:
+def test_training_stops_when_the_loss_no_longer_gets_better() -> None:
     inputs, targets = rows()
-    stopped = fit(inputs, targets, mean_squared_error, 2, Training(5000, Stop(100, 1e-3)), seed=0)
-    assert 100 < stopped.iterations < 2000
-    patient = fit(inputs, targets, mean_squared_error, 2, Training(300, Stop(100, -1.0)), seed=0)
-    assert patient.iterations == 301
+    jumpy = Training(5000, learning_rate=0.5, patience=50)
+    stopped = fit(inputs, targets, mean_squared_error, 2, jumpy, seed=0)
+    assert 50 < stopped.iterations < 5001
+    assert fit(inputs, targets, mean_squared_error, 2, Training(300), seed=0).iterations == 301
+
+
+def test_a_learning_rate_that_falls_gives_other_weights_and_still_learns() -> None:
+    inputs, targets = rows()
+    steady, falling = (
+        fit(inputs, targets, mean_squared_error, 2, Training(400, 1e-2, decay=decay), seed=0)
+        for decay in (False, True)
+    )
+    assert falling.loss < 1e-3
+    assert falling.loss != steady.loss
+
+
+def test_held_out_rows_choose_the_weights_but_teach_nothing() -> None:
+    inputs, targets = rows()
+    training = Training(200, held_out=0.25)
+    order, learned = _chosen_rows(len(inputs), training, 0)
+    assert sorted(order) == list(range(200))
+    assert learned == 150
+    fitted = fit(inputs, targets, mean_squared_error, 2, training, seed=0)
+    held = order[learned:]
+    error = Folded.of(fitted.network)(inputs[held].astype(float)) - targets[held]
+    assert fitted.loss == pytest.approx((error**2).mean(), rel=1e-3)
+    unlearnable = targets.copy()
+    unlearnable[held] += 5
+    again = fit(inputs, unlearnable, mean_squared_error, 2, training, seed=0)
+    assert again.loss > 10  # had they been learned from, it would be far lower
+
+
+def test_a_part_of_many_rows_is_used() -> None:
+    order, learned = _chosen_rows(1000, Training(1, max_rows=100, held_out=0.1), 0)
+    assert len(set(order.tolist())) == 100
+    assert learned == 90
+    assert _chosen_rows(50, Training(1, max_rows=100), 0)[1] == 50
+    assert _chosen_rows(1, Training(1, held_out=0.1), 0)[1] == 1
+    assert _chosen_rows(2, Training(1, held_out=0.1), 0)[1] == 1
 
 
 def test_the_same_seed_gives_the_same_weights() -> None:
