@@ -67,10 +67,13 @@ def _is_at(x: float, y: float, door: Features) -> bool:
     return rectangle_meets_circle(doorway_of(door), Circle(x, y, RADIUS))
 
 
+FAR = ROOM_SIZE + GAP + MARGIN  # a door's corner is at most so far right of or above its room's, ...
+LOW = -GAP - MARGIN  # ... and at least so far
+
+
 def joins(door: Features, room: Features) -> bool:
     """Say whether a door is one of a room's."""
-    far = ROOM_SIZE + GAP
-    if abs(door[X] - room[X]) > far or abs(door[Y] - room[Y]) > far:
+    if not LOW <= door[X] - room[X] <= FAR or not LOW <= door[Y] - room[Y] <= FAR:
         return False
     return _joins(door[X], door[Y], door[THETA], room[X], room[Y])
 
@@ -83,9 +86,8 @@ def _joins(x: float, y: float, theta: float, room_x: float, room_y: float) -> bo
 
 def rooms_of(state: State, door: Features) -> list[Features]:
     """Return the rooms that a door joins, in canonical order."""
-    features, x, y, far = state.features, door[X], door[Y], ROOM_SIZE + GAP
-    rooms = [features[room.name] for room in state.by_type.get(ROOM.name, ())]
-    return [r for r in rooms if -far <= x - r[0] <= far and -far <= y - r[1] <= far and joins(door, r)]
+    features = state.features
+    return [room for o in state.by_type.get(ROOM.name, ()) if joins(door, room := features[o.name])]
 
 
 def solid_shapes(state: State) -> list[Rectangle]:
@@ -142,10 +144,23 @@ def door_is_open(state: State, objects: tuple[Object, ...]) -> bool:
 
 def _doors_share_room(state: State, objects: tuple[Object, ...]) -> bool:
     one, two = state[objects[0]], state[objects[1]]
-    most = ROOM_SIZE + 2 * GAP
-    if objects[0] == objects[1] or abs(one[X] - two[X]) > most or abs(one[Y] - two[Y]) > most:
+    x, y, other_x, other_y = one[X], one[Y], two[X], two[Y]
+    most = FAR - LOW
+    if objects[0] == objects[1] or abs(x - other_x) > most or abs(y - other_y) > most:
         return False
-    return any(joins(two, room) for room in rooms_of(state, one))
+    features = state.features
+    for obj in state.by_type.get(ROOM.name, ()):
+        left, bottom = room = features[obj.name]
+        if (
+            LOW <= x - left <= FAR
+            and LOW <= y - bottom <= FAR
+            and LOW <= other_x - left <= FAR
+            and LOW <= other_y - bottom <= FAR
+            and joins(one, room)
+            and joins(two, room)
+        ):
+            return True
+    return False
 
 
 def in_doorway(state: State, objects: tuple[Object, ...]) -> bool:

@@ -218,6 +218,7 @@ def _oracle_skills() -> tuple[Skill, ...]:
 
 MOST_OBSTACLES = 4  # that surely fit around a room's center
 
+
 @dataclass(frozen=True, slots=True)
 class Doors:
     """The environment; the options are the size of the map and how full it is."""
