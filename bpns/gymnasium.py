@@ -125,7 +125,7 @@ class TaskEnvironment(gymnasium.Env[Observation, Array]):
         """Return a picture, (height, width, 3)."""
         if self.render_mode is None:
             return None
-        return np.array(self.environment.draw(self.state).convert("RGB"), np.uint8)
+        return np.array(self.environment.draw(self.state, "", self.task.goal).convert("RGB"), np.uint8)
 
     def _observe(self) -> Observation:
         rows = self.state.by_type

@@ -37,7 +37,7 @@ from symbolic.pddl.read import read_domain, read_problem
 from symbolic.pddl.write import model_names
 from symbolic.planners import AbstractPlan, Limit, SearchRecord
 from symbolic.refinement import DeadEnd
-from symbolic.structs import Domain, sort_atoms
+from symbolic.structs import Domain, GroundAtom, sort_atoms
 
 MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
 
@@ -166,7 +166,7 @@ def _plan_task(
         click.echo(f"task {number} of seed {seed} in {environment.name}: {goal}")
         _print_outcome(outcome, execution)
     if show is not None and isinstance(outcome, Plan) and execution is not None:
-        _show(show, subject, outcome, execution, goal)
+        _show(show, subject, outcome, execution, task.goal)
         click.echo(f"animation: {show}", err=as_json)
     if isinstance(outcome, NoPlan):
         sys.exit(NO_PLAN if outcome.reason in ("unreachable", "no plan") else NOT_REFINED)
@@ -226,14 +226,17 @@ def _as_json(outcome: Plan | NoPlan, execution: Execution | None, goal: str) -> 
     }
 
 
-def _show(path: Path, subject: Subject, plan: Plan, execution: Execution, goal: str) -> None:
+def _show(
+    path: Path, subject: Subject, plan: Plan, execution: Execution, goal: frozenset[GroundAtom]
+) -> None:
     """Write the animation; the caption says operator, atoms and goal."""
     states = execution.trajectory.states
     owners = [*execution.steps, None]  # the step that begins in each state
     captions = []
+    aim = ", ".join(map(str, sort_atoms(goal)))
     always = frozenset.intersection(*(abstract(subject.environment, state) for state in states))
     for state, owner in zip(states, owners, strict=True):
         name = "done" if owner is None else f"{owner + 1}. {plan.steps[owner].skill.operator}"
         atoms = ", ".join(map(str, sort_atoms(abstract(subject.environment, state) - always)))
-        captions.append(f"{name}\n{atoms}\ngoal: {goal}")
-    write_animation(path, subject.environment, states, captions)
+        captions.append(f"{name}\n{atoms}\ngoal: {aim}")
+    write_animation(path, subject.environment, states, captions, goal)

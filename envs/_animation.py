@@ -4,16 +4,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from PIL.Image import Dither, Image
+from PIL.Image import new as new_image
 
 from symbolic.environment import Environment
 from symbolic.errors import InputError
 from symbolic.files import replacing
 from symbolic.state import Features, State
+from symbolic.structs import GroundAtom
 
 FRAMES_PER_ACTION = 8
 MAX_FRAMES = 800  # long trajectories get fewer frames between their states
 FRAME_MILLISECONDS = 50
 PAUSE_MILLISECONDS = 1500  # on the last frame
+COLORS, PALETTE_STATES = 128, 8
 FORMATS = {".gif": "GIF", ".webp": "WEBP", ".png": "PNG"}
 
 
@@ -25,20 +28,22 @@ def animation_format(path: Path) -> str:
 
 
 def write_animation(
-    path: Path, environment: Environment, states: Sequence[State], captions: Sequence[str]
+    path: Path,
+    environment: Environment,
+    states: Sequence[State],
+    captions: Sequence[str],
+    goal: frozenset[GroundAtom],
 ) -> None:
     """Write a GIF, WebP or animated PNG; ``captions`` has one text for each state."""
     kind = animation_format(path)
-    palette: Image | None = None
+    palette = _palette([environment.draw(state, "", goal) for state in _spread(states)])
     frames: list[Image] = []
     durations: list[int] = []
 
     def add(state: State, caption: str) -> None:
         """Draw a frame; a GIF's are kept in few colors, a third of the memory."""
-        nonlocal palette
-        frame = environment.draw(state, caption)
+        frame = environment.draw(state, caption, goal)
         if kind == "GIF":
-            palette = palette or frame.quantize(128)
             frame = frame.quantize(palette=palette, dither=Dither.NONE)
         frames.append(frame)
 
@@ -53,6 +58,21 @@ def write_animation(
     durations[-1] = PAUSE_MILLISECONDS
     with replacing(path) as temporary:
         frames[0].save(temporary, kind, save_all=True, append_images=frames[1:], duration=durations, loop=0)
+
+
+def _spread(states: Sequence[State]) -> list[State]:
+    """Return some states from the first to the last."""
+    count = min(PALETTE_STATES, len(states))
+    return [states[i * (len(states) - 1) // max(1, count - 1)] for i in range(count)]
+
+
+def _palette(pictures: Sequence[Image]) -> Image:
+    """Return colors that serve all pictures: what is there at the end may not be there at the start."""
+    width, height = pictures[0].size
+    together = new_image("RGB", (width * len(pictures), height))
+    for number, picture in enumerate(pictures):
+        together.paste(picture, (number * width, 0))
+    return together.quantize(COLORS)
 
 
 def _between(first: State, second: State, share: float) -> State:

@@ -59,7 +59,7 @@ from envs._draw_coffee import draw
 from symbolic.environment import Budget, Split
 from symbolic.skills import Controller, NoSampler, Skill, Terminal
 from symbolic.state import Array, Features, State, Task
-from symbolic.structs import LiftedAtom, Object, Operator, Variable
+from symbolic.structs import GroundAtom, LiftedAtom, Object, Operator, Variable
 
 Act: TypeAlias = Callable[[State, tuple[Object, ...], Array], Array]
 
@@ -285,8 +285,8 @@ class Coffee:
         }
         return Task(State.of(features), frozenset(CUP_FILLED(cup) for cup in cups))
 
-    def draw(self, state: State, caption: str = "") -> Image:
-        """Return a picture of a state."""
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+        """Return a picture of a state; the goal is not marked."""
         return draw(state, caption)
 
 

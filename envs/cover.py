@@ -12,7 +12,7 @@ from envs._shapes2d import Rectangle, rectangles_meet, segment_meets_rectangle
 from symbolic.environment import Budget, Classifier, Split
 from symbolic.skills import Controller, Skill
 from symbolic.state import Array, Features, State, Task
-from symbolic.structs import Object, Operator, Predicate, Type, Variable
+from symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
 
 BLOCK = Type("block", ("height", "width", "x", "y", "grasp"))  # x: center, y: top, grasp: -1 or 1
 TARGET = Type("target", ("width", "x"))
@@ -333,8 +333,8 @@ class Cover:
         goals = ({pairs[0]}, {pairs[1]}, set(pairs))
         return Task(State.of(features), frozenset(goals[index % 3]))
 
-    def draw(self, state: State, caption: str = "") -> Image:
-        """Return a picture of a state."""
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+        """Return a picture of a state; the goal is not marked."""
         return draw(state, caption)
 
 

@@ -48,7 +48,7 @@ from envs._shapes2d import Circle, Point, Rectangle, rectangle_meets_circle
 from symbolic.environment import Budget, Split
 from symbolic.skills import Controller, GivenSkill, Skill, SkillFailure
 from symbolic.state import Array, Features, State, Task
-from symbolic.structs import LiftedAtom, Object, Operator, Variable
+from symbolic.structs import GroundAtom, LiftedAtom, Object, Operator, Variable
 
 # ------------------------------------------------------------------------------------ given skills
 
@@ -259,9 +259,9 @@ class Doors:
         """Draw a task; both splits are alike. Source: spec, doors.md section 6."""
         return sample_task(rng, self.rows, self.columns, self.room_share, self.obstacles)
 
-    def draw(self, state: State, caption: str = "") -> Image:
-        """Return a picture of a state."""
-        return draw(state, caption)
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+        """Return a picture of a state; rooms that the goal names have a color of their own."""
+        return draw(state, caption, goal)
 
 
 ENVIRONMENT = Doors()
@@ -271,12 +271,13 @@ ENVIRONMENT = Doors()
 BLACK: Color = (0, 0, 0)
 LIGHT_GRAY: Color = (224, 224, 224)
 STEEL_BLUE: Color = (176, 196, 222)
+KHAKI: Color = (240, 230, 140)
 ORANGE_RED: Color = (255, 69, 0)
 LIGHT_GREEN: Color = (100, 220, 100)
 BLUE: Color = (30, 60, 220)
 
 
-def draw(state: State, caption: str = "") -> Image:
+def draw(state: State, caption: str, goal: frozenset[GroundAtom]) -> Image:
     """Return a picture from above. Source: spec, doors.md section 9."""
     rooms = [state[room] for room in state.by_type[ROOM.name]]
     margin = 0.02
@@ -291,6 +292,7 @@ def draw(state: State, caption: str = "") -> Image:
     x, y = state[robot]
     for obj in state.by_type[ROOM.name]:
         color = STEEL_BLUE if room_holds(state[obj], x, y) else LIGHT_GRAY
+        color = KHAKI if any(obj in atom.objects for atom in goal) else color
         canvas.polygon(list(room_shape(state[obj]).vertices()), color)
         canvas.text(state[obj][0] + 0.06, state[obj][1] + 0.94, obj.name, 10, anchor="lt")
     for obj in state.by_type.get(OBSTACLE.name, ()):

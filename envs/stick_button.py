@@ -267,8 +267,8 @@ class StickButton:
         goal: frozenset[GroundAtom] = frozenset(PRESSED(b) for b in state.by_type[BUTTON.name])
         return Task(state, goal)
 
-    def draw(self, state: State, caption: str = "") -> Image:
-        """Return a picture of a state."""
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+        """Return a picture of a state; the goal is not marked."""
         return draw(state, caption)
 
 

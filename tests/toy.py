@@ -13,7 +13,7 @@ from PIL import Image
 from symbolic.environment import Budget, Classifier, EnvironmentFailure, Split
 from symbolic.skills import Controller, NoSampler, Skill
 from symbolic.state import Array, State, Task
-from symbolic.structs import Object, Operator, Predicate, Type, Variable
+from symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
 
 HAND = Type("hand", ("key", "step"))
 DOOR = Type("door", ("open",))
@@ -99,5 +99,5 @@ class Toy:
     def sample_task(self, split: Split, index: int, rng: np.random.Generator) -> Task:
         return Task(State.of({HAND_0: (0, 0), DOOR_0: (0,)}), frozenset({IS_OPEN(DOOR_0)}))
 
-    def draw(self, state: State, caption: str = "") -> Image.Image:
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image.Image:
         return Image.new("RGB", (8, 8))

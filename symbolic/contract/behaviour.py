@@ -286,13 +286,13 @@ def classifier_fault(environment: Environment, state: State, where: str) -> Rema
 
 
 def drawing(environment: Environment, count: int, seed: int) -> Remarks:
-    """Draw an initial state of each split, without and with a caption."""
+    """Draw an initial state of each split, without and with a caption and a goal."""
     from PIL.Image import Image  # planning needs no pictures
 
     for where, task in _all_tasks(environment, 1, seed):
         before = dict(task.init.features)
-        for words in ((), ("two lines\nof caption",)):
-            picture = environment.draw(task.init, *words)
+        for more in ((), ("two lines\nof caption", task.goal)):
+            picture = environment.draw(task.init, *more)
             if not isinstance(picture, Image):
                 yield fault(f"{where}: draw gave a {kind_of(picture)}: return a Pillow image")
                 return ""
