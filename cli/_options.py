@@ -28,6 +28,12 @@ plans_option = click.option(
 samples_option = click.option(
     "--samples", type=click.IntRange(1), help="Subgoals to try per step (default: the environment's)."
 )
+per_plan_option = click.option(
+    "--samples-per-plan",
+    "per_plan",
+    type=click.IntRange(1),
+    help="Samples after which a plan is given up (default: the environment's).",
+)
 
 
 def _seconds(_: click.Context, __: click.Parameter, value: float | None) -> float | None:
@@ -85,13 +91,16 @@ def load_subject(model: Path | None, oracle: str | None, variant: str | None = N
     return Subject(model.name or str(model), environment, saved.skills, saved.seed)
 
 
-def budget_of(environment: Environment, plans: int | None, samples: int | None) -> Budget:
+def budget_of(
+    environment: Environment, plans: int | None, samples: int | None, per_plan: int | None
+) -> Budget:
     """Return an environment's budget with the user's numbers in it."""
     budget = environment.budget
     return replace(
         budget,
         abstract_plans=plans or budget.abstract_plans,
         samples_per_step=samples or budget.samples_per_step,
+        samples_per_plan=per_plan or budget.samples_per_plan,
     )
 
 

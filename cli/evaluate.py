@@ -18,6 +18,7 @@ from cli._options import (
     json_option,
     load_subject,
     oracle_option,
+    per_plan_option,
     planner_option,
     plans_option,
     progress_bar,
@@ -51,6 +52,7 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
 @planner_option
 @plans_option
 @samples_option
+@per_plan_option
 @timeout_option
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @json_option
@@ -63,6 +65,7 @@ def command(
     planner: str,
     plans: int | None,
     samples: int | None,
+    per_plan: int | None,
     timeout: float | None,
     workers: int,
     as_json: bool,
@@ -91,7 +94,7 @@ def command(
                 world,
                 subject.skills,
                 planners.load(planner),
-                budget_of(world, plans, samples),
+                budget_of(world, plans, samples, per_plan),
                 timeout,
             )
             note = partial(_note, progress, len(results), total)

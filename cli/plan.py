@@ -21,6 +21,7 @@ from cli._options import (
     json_option,
     load_subject,
     oracle_option,
+    per_plan_option,
     planner_option,
     plans_option,
     samples_option,
@@ -29,7 +30,7 @@ from cli._options import (
 from envs._animation import animation_format, write_animation
 from symbolic import planners
 from symbolic.bilevel import NoPlan, Plan, solve
-from symbolic.environment import abstract, domain_of, sample_tasks
+from symbolic.environment import Budget, abstract, domain_of, sample_tasks
 from symbolic.execution import Execution, execute
 from symbolic.files import check_output
 from symbolic.grounding import Unreachable, ground
@@ -52,6 +53,7 @@ MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
 @planner_option
 @plans_option
 @samples_option
+@per_plan_option
 @timeout_option
 @click.option("--show", type=click.Path(path_type=Path), help="Write an animation: .gif, .webp or .png.")
 @json_option
@@ -65,6 +67,7 @@ def command(
     planner: str,
     plans: int | None,
     samples: int | None,
+    per_plan: int | None,
     timeout: float | None,
     show: Path | None,
     as_json: bool,
@@ -75,15 +78,18 @@ def command(
     plans (default 1) are printed. Exits with 11 if no plan exists, 12 if none was refined within the limits.
     """
     if problem is not None:
-        if task is not None or show is not None or samples is not None:
-            raise click.UsageError("--task, --samples and --show need a task: leave --problem out")
+        if task is not None or show is not None or samples is not None or per_plan is not None:
+            raise click.UsageError(
+                "--task, --samples, --samples-per-plan and --show need a task: leave --problem out"
+            )
         domain = _domain(model, oracle, environment)
         _plan_problem(domain, problem, planner, plans or 1, seed or 0, timeout, as_json)
         return
     if model is not None and model.suffix == ".pddl":
         raise click.UsageError("a domain file has no skills: give --problem too, or a model folder")
     subject = load_subject(model, oracle, environment)
-    _plan_task(subject, task or 0, seed, planner, plans, samples, timeout, show, as_json)
+    budget = budget_of(subject.environment, plans, samples, per_plan)
+    _plan_task(subject, task or 0, seed, planner, budget, timeout, show, as_json)
 
 
 # ----------------------------------------------------------------------------------- PDDL problems
@@ -136,8 +142,7 @@ def _plan_task(
     number: int,
     seed: int | None,
     planner: str,
-    plans: int | None,
-    samples: int | None,
+    budget: Budget,
     timeout: float | None,
     show: Path | None,
     as_json: bool,
@@ -154,7 +159,7 @@ def _plan_task(
         task,
         subject.skills,
         planners.load(planner),
-        budget_of(environment, plans, samples),
+        budget,
         seed + number + 1,
         deadline,
     )

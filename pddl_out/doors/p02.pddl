@@ -1,0 +1,81 @@
+; evaluation task 1 of seed 0, environment doors
+(define (problem p02)
+  (:domain doors)
+  (:objects
+    bottom-door-0-0 bottom-door-0-1 bottom-door-0-2 bottom-door-1-0 bottom-door-1-1 bottom-door-2-0 left-door-0-1 left-door-0-2 left-door-1-1 left-door-1-2 left-door-2-1 - door
+    robby - robot
+    room-0-0 - room
+    room-0-0-obstacle-0 room-0-0-obstacle-1 room-0-0-obstacle-2 - obstacle
+    room-0-1 room-0-2 room-1-0 room-1-1 - room
+    room-1-1-obstacle-0 room-1-1-obstacle-1 room-1-1-obstacle-2 - obstacle
+    room-1-2 room-2-0 - room
+    room-2-0-obstacle-0 room-2-0-obstacle-1 room-2-0-obstacle-2 - obstacle
+    room-2-1 - room
+    room-2-1-obstacle-0 room-2-1-obstacle-1 - obstacle
+    room-3-0 - room
+    room-3-0-obstacle-0 wall-0-0-0 wall-0-0-1 wall-0-0-2 wall-0-0-3 wall-0-0-4 wall-0-0-5 wall-0-1-0 wall-0-1-1 wall-0-1-2 wall-0-1-3 wall-0-1-4 wall-0-1-5 wall-0-1-6 wall-0-2-0 wall-0-2-1 wall-0-2-2 wall-0-2-3 wall-0-2-4 wall-0-2-5 wall-1-0-0 wall-1-0-1 wall-1-0-2 wall-1-0-3 wall-1-0-4 wall-1-0-5 wall-1-0-6 wall-1-1-0 wall-1-1-1 wall-1-1-2 wall-1-1-3 wall-1-1-4 wall-1-1-5 wall-1-1-6 wall-1-1-7 wall-1-2-0 wall-1-2-1 wall-1-2-2 wall-1-2-3 wall-1-2-4 wall-1-2-5 wall-2-0-0 wall-2-0-1 wall-2-0-2 wall-2-0-3 wall-2-0-4 wall-2-0-5 wall-2-0-6 wall-2-1-0 wall-2-1-1 wall-2-1-2 wall-2-1-3 wall-2-1-4 wall-2-1-5 wall-3-0-0 wall-3-0-1 wall-3-0-2 wall-3-0-3 wall-3-0-4 - obstacle)
+  (:init
+    (doorinroom bottom-door-0-0 room-0-0)
+    (doorinroom bottom-door-0-0 room-1-0)
+    (doorinroom bottom-door-0-1 room-0-1)
+    (doorinroom bottom-door-0-1 room-1-1)
+    (doorinroom bottom-door-0-2 room-0-2)
+    (doorinroom bottom-door-0-2 room-1-2)
+    (doorinroom bottom-door-1-0 room-1-0)
+    (doorinroom bottom-door-1-0 room-2-0)
+    (doorinroom bottom-door-1-1 room-1-1)
+    (doorinroom bottom-door-1-1 room-2-1)
+    (doorinroom bottom-door-2-0 room-2-0)
+    (doorinroom bottom-door-2-0 room-3-0)
+    (doorinroom left-door-0-1 room-0-0)
+    (doorinroom left-door-0-1 room-0-1)
+    (doorinroom left-door-0-2 room-0-1)
+    (doorinroom left-door-0-2 room-0-2)
+    (doorinroom left-door-1-1 room-1-0)
+    (doorinroom left-door-1-1 room-1-1)
+    (doorinroom left-door-1-2 room-1-1)
+    (doorinroom left-door-1-2 room-1-2)
+    (doorinroom left-door-2-1 room-2-0)
+    (doorinroom left-door-2-1 room-2-1)
+    (doorsshareroom bottom-door-0-0 bottom-door-1-0)
+    (doorsshareroom bottom-door-0-0 left-door-0-1)
+    (doorsshareroom bottom-door-0-0 left-door-1-1)
+    (doorsshareroom bottom-door-0-1 bottom-door-1-1)
+    (doorsshareroom bottom-door-0-1 left-door-0-1)
+    (doorsshareroom bottom-door-0-1 left-door-0-2)
+    (doorsshareroom bottom-door-0-1 left-door-1-1)
+    (doorsshareroom bottom-door-0-1 left-door-1-2)
+    (doorsshareroom bottom-door-0-2 left-door-0-2)
+    (doorsshareroom bottom-door-0-2 left-door-1-2)
+    (doorsshareroom bottom-door-1-0 bottom-door-0-0)
+    (doorsshareroom bottom-door-1-0 bottom-door-2-0)
+    (doorsshareroom bottom-door-1-0 left-door-1-1)
+    (doorsshareroom bottom-door-1-0 left-door-2-1)
+    (doorsshareroom bottom-door-1-1 bottom-door-0-1)
+    (doorsshareroom bottom-door-1-1 left-door-1-1)
+    (doorsshareroom bottom-door-1-1 left-door-1-2)
+    (doorsshareroom bottom-door-1-1 left-door-2-1)
+    (doorsshareroom bottom-door-2-0 bottom-door-1-0)
+    (doorsshareroom bottom-door-2-0 left-door-2-1)
+    (doorsshareroom left-door-0-1 bottom-door-0-0)
+    (doorsshareroom left-door-0-1 bottom-door-0-1)
+    (doorsshareroom left-door-0-1 left-door-0-2)
+    (doorsshareroom left-door-0-2 bottom-door-0-1)
+    (doorsshareroom left-door-0-2 bottom-door-0-2)
+    (doorsshareroom left-door-0-2 left-door-0-1)
+    (doorsshareroom left-door-1-1 bottom-door-0-0)
+    (doorsshareroom left-door-1-1 bottom-door-0-1)
+    (doorsshareroom left-door-1-1 bottom-door-1-0)
+    (doorsshareroom left-door-1-1 bottom-door-1-1)
+    (doorsshareroom left-door-1-1 left-door-1-2)
+    (doorsshareroom left-door-1-2 bottom-door-0-1)
+    (doorsshareroom left-door-1-2 bottom-door-0-2)
+    (doorsshareroom left-door-1-2 bottom-door-1-1)
+    (doorsshareroom left-door-1-2 left-door-1-1)
+    (doorsshareroom left-door-2-1 bottom-door-1-0)
+    (doorsshareroom left-door-2-1 bottom-door-1-1)
+    (doorsshareroom left-door-2-1 bottom-door-2-0)
+    (inmainroom robby room-0-2)
+    (inroom robby room-0-2))
+  (:goal (and
+    (inroom robby room-1-0))))
