@@ -5,7 +5,6 @@ before the id, as in ``gymnasium.make("bpns.gymnasium:bpns/Cover-v0")``. Only th
 """
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
@@ -60,7 +59,8 @@ class TaskEnvironment(gymnasium.Env[Observation, Array]):
         **options: object,
     ) -> None:
         loaded = envs.load(environment) if isinstance(environment, str) else environment
-        self.environment = _with_options(loaded, options)
+        name = loaded.name
+        self.environment = cast(Environment, envs.with_options(loaded, options, name)) if options else loaded
         self.render_mode = render_mode
         self._atoms = atoms
         if render_mode not in (None, "rgb_array"):
@@ -77,7 +77,8 @@ class TaskEnvironment(gymnasium.Env[Observation, Array]):
 
         Without options, tasks come in the order of ``bpns demos --seed SEED``. The option ``task`` gives a
         certain one: a Task, or the number of an evaluation task as ``bpns evaluate --seeds SEED`` counts
-        them. The option ``split`` is "train" or "test".
+        them. The option ``split``, "train" or "test", says of which kind; without a number both kinds come
+        from the generator of ``seed``.
         """
         super().reset(seed=seed)
         if seed is not None:
@@ -125,6 +126,8 @@ class TaskEnvironment(gymnasium.Env[Observation, Array]):
         """Return a picture, (height, width, 3)."""
         if self.render_mode is None:
             return None
+        if not hasattr(self, "state"):
+            raise gymnasium.error.ResetNeeded("there is nothing to see yet: call reset first")
         return np.array(self.environment.draw(self.state, "", self.task.goal).convert("RGB"), np.uint8)
 
     def _observe(self) -> Observation:
@@ -160,20 +163,6 @@ class TaskEnvironment(gymnasium.Env[Observation, Array]):
         if self._atoms:
             info["atoms"] = tuple(map(str, sort_atoms(abstract(self.environment, self.state))))
         return info
-
-
-def _with_options(environment: Environment, options: Mapping[str, object]) -> Environment:
-    """Return the environment with other options; raise ValueError for options that it does not have."""
-    if not options:
-        return environment
-    have: list[str] = [f.name for f in fields(environment) if f.init] if is_dataclass(environment) else []
-    unknown = [name for name in options if name not in have]
-    if unknown:
-        raise ValueError(
-            f"{environment.name} has no option {', '.join(unknown)} (have: {', '.join(have) or 'none'})"
-        )
-    changed: Environment = replace(environment, **options)  # type: ignore[type-var]  # asked above
-    return changed
 
 
 def _observation_space(environment: Environment) -> spaces.Dict:

@@ -67,6 +67,7 @@ class Subject:
     """Skills to plan with, and where they are from."""
 
     label: str
+    asked: str  # how the environment was asked for: its name, with options, or MODULE:ATTRIBUTE
     environment: Environment
     skills: Mapping[str, Skill]
     seed: int
@@ -85,10 +86,14 @@ def load_subject(model: Path | None, oracle: str | None, variant: str | None = N
         assert oracle is not None
         environment = envs.load(oracle)
         skills = {skill.operator.name: skill for skill in environment.oracle_skills}
-        return Subject(f"oracle:{environment.name}", environment, skills, 0)
-    environment = envs.load(variant or read_model_file(model).load)
+        return Subject(f"oracle:{oracle}", oracle, environment, skills, 0)
+    asked = variant or read_model_file(model).load
+    environment = envs.load(asked)
     saved = read_model(model, environment)
-    return Subject(model.name or str(model), environment, saved.skills, saved.seed)
+    label = model.name or str(model)
+    return Subject(
+        f"{label} in {variant}" if variant else label, asked, environment, saved.skills, saved.seed
+    )
 
 
 def budget_of(

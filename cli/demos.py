@@ -34,5 +34,9 @@ def command(environment: str, count: int, seed: int, out: Path | None, workers: 
     write_demonstrations(out, data, world, environment)
     actions = sum(len(d.trajectory.actions) for d in data.demonstrations)
     click.echo(f"{len(data.demonstrations)} demonstrations of {count} tasks, {actions} actions: {out}")
+    reasons: dict[str, list[int]] = {}
     for index, reason in data.failures:
-        click.echo(f"  task {index} gave none: {reason}")
+        reasons.setdefault(reason, []).append(index)
+    for reason, tasks in reasons.items():
+        shown = ", ".join(map(str, tasks[:10])) + (", ..." if len(tasks) > 10 else "")
+        click.echo(f"  {len(tasks)} gave none: {reason} (tasks {shown})")

@@ -35,7 +35,7 @@ def command(
     world = subject.environment
     seed = subject.seed if seed is None else seed
     domain = domain_of(world, (skill.operator for skill in subject.skills.values()))
-    source = f"{subject.label}: environment {world.name}"
+    source = f"{subject.label}: environment {subject.asked}"
     texts = {}
     if model is not None:
         texts["domain.pddl"] = (model / "domain.pddl").read_text(encoding="utf-8")
@@ -45,7 +45,7 @@ def command(
     for index, task in enumerate(sample_tasks(world, "test", problems, seed)):
         name = f"p{index + 1:0{digits}}"
         problem = problem_of(world, task, name)
-        header = f"evaluation task {index} of seed {seed}, environment {world.name}"
+        header = f"evaluation task {index} of seed {seed}, environment {subject.asked}"
         texts[f"{name}.pddl"] = write_problem(problem, domain, header)
     if (out / "skills.json").exists():
         raise InputError(

@@ -97,6 +97,8 @@ def command(
 
 def _domain(model: Path | None, oracle: str | None, environment: str | None) -> Domain:
     if model is not None and oracle is None and not model.is_dir():
+        if environment is not None:
+            raise click.UsageError("--environment goes with a model folder, not with a domain file")
         return read_domain(model)
     subject = load_subject(model, oracle, environment)
     return domain_of(subject.environment, (skill.operator for skill in subject.skills.values()))

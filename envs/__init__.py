@@ -1,5 +1,6 @@
 """Worlds: one module is one environment and its file name is the environment's name."""
 
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -44,33 +45,47 @@ def find(name: str) -> object:
             found = found() if isinstance(found, type) else found
         except Exception as error:  # whatever a stranger's module does at import
             raise InputError(f"cannot load environment '{place}': {type(error).__name__}: {error}") from error
-    return _with_options(found, options, place) if options else found
+    return with_options(found, options, place) if options else found
 
 
 def _parts(name: str) -> tuple[str, dict[str, str]]:
     """Split ``place:option=value:option=value``."""
-    pieces = name.split(":")
-    pairs = (piece.partition("=") for piece in pieces if "=" in piece)
-    return ":".join(p for p in pieces if "=" not in p), {option: value for option, _, value in pairs}
+    place, options = [], {}
+    for piece in name.split(":"):
+        option, equals, value = piece.partition("=")
+        if not equals:
+            place.append(piece)
+        elif option in options:
+            raise InputError(f"environment '{name}': {option} is given twice")
+        else:
+            options[option] = value
+    return ":".join(place), options
 
 
-def _with_options(environment: object, options: dict[str, str], place: str) -> object:
-    """Return an environment with other values in some of its fields."""
+def with_options(environment: object, options: Mapping[str, object], place: str) -> object:
+    """Return an environment with other values in some of its fields: values of their types, or text.
+
+    ``place`` is how it is called in messages. Raises InputError for options that it does not have, and for
+    values that it does not take.
+    """
     if not is_dataclass(environment) or isinstance(environment, type):
         raise InputError(f"environment '{place}' takes no options: it is no dataclass")
     have = {f.name: getattr(environment, f.name) for f in fields(environment) if f.init}
     values = {}
-    for option, text in options.items():
+    for option, value in options.items():
         if option not in have:
             raise InputError(
                 f"environment '{place}' has no option '{option}' (have: {', '.join(have) or 'none'})"
             )
+        default = have[option]
         try:
-            values[option] = _value(text, have[option])
-        except ValueError as error:
+            values[option] = _value(value, default) if isinstance(value, str) else value
+        except (ValueError, KeyError) as error:
             raise InputError(
-                f"environment '{place}': cannot read '{text}' as {option} (default: {have[option]!r})"
+                f"environment '{place}': cannot read '{value}' as {option} (default: {default!r})"
             ) from error
+        if isinstance(default, tuple) and not isinstance(values[option], tuple):
+            values[option] = (values[option],)
     try:
         return replace(environment, **values)
     except (ValueError, TypeError) as error:
@@ -81,6 +96,8 @@ def _value(text: str, like: object) -> object:
     """Read a value of the same type as another one; tuples are written with commas."""
     if isinstance(like, tuple) and like:
         return tuple(_value(piece, like[0]) for piece in text.split(","))
-    if isinstance(like, (int, float, str)) and not isinstance(like, bool):
+    if isinstance(like, bool):
+        return {"true": True, "false": False}[text.lower()]
+    if isinstance(like, (int, float, str)):
         return type(like)(text)
     raise ValueError

@@ -36,14 +36,16 @@ def write_animation(
 ) -> None:
     """Write a GIF, WebP or animated PNG; ``captions`` has one text for each state."""
     kind = animation_format(path)
-    palette = _palette([environment.draw(state, "", goal) for state in _spread(states)])
     frames: list[Image] = []
+    palette = None
+    if kind == "GIF":
+        palette = _palette([environment.draw(state, "", goal) for state in _spread(states)])
     durations: list[int] = []
 
     def add(state: State, caption: str) -> None:
         """Draw a frame; a GIF's are kept in few colors, a third of the memory."""
         frame = environment.draw(state, caption, goal)
-        if kind == "GIF":
+        if palette is not None:
             frame = frame.quantize(palette=palette, dither=Dither.NONE)
         frames.append(frame)
 

@@ -87,7 +87,9 @@ def _motion(
 class MoveToDoor:
     """Follow a motion plan through the room to a door. Objects: robot, door."""
 
-    seed: int = 0  # of the motion planner: the same plan for the same state
+    seed: int = (
+        0  # of the motion planner: the same plan for the same state, whatever the run (spec: its seed)
+    )
 
     def begin(self, state: State, objects: tuple[Object, ...], subgoal: Array) -> Controller:
         """Plan the motion; raise SkillFailure where there is none."""

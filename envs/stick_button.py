@@ -130,7 +130,7 @@ def _second_is_pressed(state: State, objects: tuple[Object, ...]) -> bool:
     return state[objects[1]][FLAG] > 0.5
 
 
-def _operators() -> tuple[Skill, ...]:
+def _oracle_skills() -> tuple[Skill, ...]:
     """Return the oracle's skills. Source: spec, stick_button.md section 7."""
     empty, grasped, nothing = HAND_EMPTY.lifted(_R), GRASPED.lifted(_R, _S), ABOVE_NO_BUTTON.lifted()
     above, above_other = ROBOT_ABOVE_BUTTON.lifted(_R, _B), ROBOT_ABOVE_BUTTON.lifted(_R, _F)
@@ -244,7 +244,7 @@ class StickButton:
     classifiers = CLASSIFIERS
     goal_predicates = frozenset({PRESSED})
     contact_predicates = frozenset({GRASPED, PRESSED})
-    oracle_skills = _operators()
+    oracle_skills = _oracle_skills()
     given_skills = ()
     action_low = np.array([-1, -1, -1], np.float32)
     action_high = np.array([1, 1, 1], np.float32)

@@ -239,7 +239,9 @@ def _read_labels(
         if name not in given:
             raise ValueError(f"{group.name}: given skill '{name}' is none of '{environment.name}'")
         label = Label(name, tuple(objects[o] for o in arguments))
-        if [o.type for o in label.objects] != list(given[name].types):
+        types = given[name].types
+        fits = len(types) == len(label.objects)
+        if not fits or not all(o.type.is_a(t) for o, t in zip(label.objects, types, strict=True)):
             raise ValueError(f"{group.name}: {name} is not over {', '.join(arguments)}")
         labels.append(label)
     numbers = group["given"][()].tolist()

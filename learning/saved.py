@@ -325,11 +325,10 @@ def _skill(
     policy = LearnedPolicy.of(
         changing, network("policy", size + dimension, actions), scaling("policy.outputs", actions), box
     )
-    members = sum(n.startswith(f"{operator.name}.generator-") and n.endswith(".0.weights") for n in tensors)
-    count = max(1, members) if dimension else 0  # none in the file is a fault, reported as missing
-    generators = tuple(network(f"generator-{i}", size, 2 * dimension) for i in range(count))
+    names = [name for name in entry.training if name.startswith("generator-")]
+    generators = tuple(network(name, size, 2 * dimension) for name in names)
     discriminator = None
-    if f"{operator.name}.discriminator.0.weights" in tensors:
+    if "discriminator" in entry.training:
         discriminator = network("discriminator", size + dimension, 1)
     sampler = LearnedSampler.of(changing, generators, scaling("generator.outputs", dimension), discriminator)
     return Skill(operator, policy, sampler, max_actions=entry.max_actions)
@@ -351,7 +350,8 @@ def _given(
     if not set(chosen.arguments) <= set(names):
         raise InputError(f"{path}: {operator.name}: arguments of {chosen.skill} are not among its parameters")
     arguments = tuple(operator.parameters[names.index(name)] for name in chosen.arguments)
-    if [v.type for v in arguments] != list(given.types):
+    fits = len(arguments) == len(given.types)
+    if not fits or not all(v.type.is_a(t) for v, t in zip(arguments, given.types, strict=True)):
         raise InputError(
             f"{path}: {operator.name}: {chosen.skill} does not take ({', '.join(chosen.arguments)})"
         )

@@ -33,6 +33,9 @@ class DeadEnd:
     reason: str
 
 
+MOST_KEPT_STATES = 20_000  # of known attempts: a limit on memory, beyond which nothing new is kept
+
+
 class _Attempt(NamedTuple):
     """All that the outcome of an attempt depends on, given the environment. States count as objects."""
 
@@ -53,7 +56,8 @@ class RefinementRecord:
 
     samples: int = 0
     dead_ends: Counter[DeadEnd] = field(default_factory=Counter)
-    known: dict["_Attempt", "RefinedStep | str"] = field(default_factory=dict)
+    known: dict[_Attempt, RefinedStep | str] = field(default_factory=dict)
+    kept_states: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,10 +101,15 @@ class Refiner:
         skill = self.steps[step]
         self.record.samples += 1
         subgoal = skill.skill.sampler.sample(state, skill.operator.objects, self.rng)
-        key = _Attempt(state, actions, skill.operator, subgoal.tobytes(), self.expected[step + 1])
-        if key not in self.record.known:
-            self.record.known[key] = self.carry_out(skill, subgoal, key)
-        return self.record.known[key]
+        numbers = np.asarray(subgoal).tobytes()
+        key = _Attempt(state, actions, skill.operator, numbers, self.expected[step + 1])
+        found = self.record.known.get(key)
+        if found is None:
+            found = self.carry_out(skill, subgoal, key)
+            if self.record.kept_states < MOST_KEPT_STATES:
+                self.record.known[key] = found
+                self.record.kept_states += 0 if isinstance(found, str) else len(found.trajectory.states)
+        return found
 
     def carry_out(self, skill: GroundSkill, subgoal: Array, given: _Attempt) -> RefinedStep | str:
         """Roll a skill out; return the step, or why it is a dead end."""

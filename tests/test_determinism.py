@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 TIMES = re.compile(r" +\d+\.\d{4}( \(\d+\.\d{4}\))?( *)$", re.MULTILINE)  # the last column
 
 
-def run_all(folder: Path, hash_seed: str, workers: int) -> dict[str, bytes]:
+def run_all(folder: Path, environment_name: str, hash_seed: str, workers: int) -> dict[str, bytes]:
     """Demonstrate, learn, evaluate and export; return what that wrote, times aside."""
 
     def bpns(*words: object) -> str:
@@ -24,7 +24,7 @@ def run_all(folder: Path, hash_seed: str, workers: int) -> dict[str, bytes]:
         return done.stdout
 
     folder.mkdir()
-    bpns("demos", "cover", "--count", 30, "--seed", 3, "--workers", workers, "--out", "demos.h5")
+    bpns("demos", environment_name, "--count", 30, "--seed", 3, "--workers", workers, "--out", "demos.h5")
     bpns("learn", "demos.h5", "--out", "model", "--workers", workers)
     table = bpns("evaluate", "model", "--tasks", 6, "--workers", workers)
     bpns("export", "model", "--out", "pddl", "--problems", 2)
@@ -37,9 +37,10 @@ def run_all(folder: Path, hash_seed: str, workers: int) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
-def test_hash_seed_and_workers_change_nothing(tmp_path: Path) -> None:
-    first = run_all(tmp_path / "first", "0", 1)
-    second = run_all(tmp_path / "second", "1", 2)
+@pytest.mark.parametrize("environment", ["cover", "doors"])
+def test_hash_seed_and_workers_change_nothing(environment: str, tmp_path: Path) -> None:
+    first = run_all(tmp_path / "first", environment, "0", 1)
+    second = run_all(tmp_path / "second", environment, "1", 2)
     assert sorted(first) == sorted(second)
     for name, data in first.items():
         assert data == second[name], name

@@ -16,6 +16,7 @@ from bpns.gymnasium import TaskEnvironment
 from symbolic import planners
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import Split, sample_tasks
+from symbolic.errors import InputError
 from tests.toy import Toy
 
 ROOT = Path(__file__).parents[2]
@@ -166,7 +167,7 @@ def test_options() -> None:
 
 
 def test_bad_input_is_refused_in_words() -> None:
-    with pytest.raises(ValueError, match=r"cover has no option blocks \(have: irrelevant_blocks\)"):
+    with pytest.raises(InputError, match=r"'cover' has no option 'blocks' \(have: irrelevant_blocks\)"):
         make("cover", blocks=3)
     world = make("cover").unwrapped
     world.reset(seed=0)

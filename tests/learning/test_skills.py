@@ -14,7 +14,7 @@ from learning.policies import changing_features, policy_examples
 from learning.samplers import discriminator_examples, generator_examples
 from learning.saved import entry_of, read_model, write_model
 from learning.segmentation import segment
-from learning.skills import LearnedSkill, SkillConfig, learn_skills
+from learning.skills import LearnedSkill, SkillConfig, _shared_out, learn_skills
 from learning.training import Training
 from symbolic import planners
 from symbolic.bilevel import Plan, solve
@@ -134,3 +134,12 @@ def test_cover_is_learned_and_solved() -> None:
     summary = summarize({77: evaluate(solver, [77], 40)})
     assert summary.solved[0] >= 90
     assert summary.nodes_created[0] < 10
+
+
+@pytest.mark.parametrize(
+    ("skills", "policy", "generator"), [(0, 5000, 7000), (1, 5000, 7000), (10, 2400, 700)]
+)
+def test_networks_share_the_iterations(skills: int, policy: int, generator: int) -> None:
+    shared = _shared_out(SkillConfig(), skills)
+    assert (shared.policy.iterations, shared.generator.iterations) == (policy, generator)
+    assert _shared_out(SkillConfig.full(), skills) == SkillConfig.full()

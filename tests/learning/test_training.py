@@ -151,7 +151,7 @@ def test_held_out_rows_choose_the_weights_but_teach_nothing() -> None:
     unlearnable = targets.copy()
     unlearnable[held] += 5
     again = fit(inputs, unlearnable, mean_squared_error, 2, training, seed=0)
-    assert again.loss > 10  # had they been learned from, it would be far lower
+    assert again.loss > 20  # had they been learned from, it would be about 14
 
 
 def test_a_part_of_many_rows_is_used() -> None:

@@ -3,11 +3,12 @@
 from collections import Counter
 from dataclasses import replace
 from time import monotonic
+from typing import Any
 
 import numpy as np
 import pytest
 
-from symbolic import planners
+from symbolic import bilevel, planners
 from symbolic.bilevel import NoPlan, Plan, solve
 from symbolic.environment import Budget, problem_of, sample_tasks
 from symbolic.execution import execute
@@ -161,3 +162,24 @@ def ground_toy() -> GroundProblem:
     found = ground(domain_of(Toy(), (SEARCH, UNLOCK)), problem_of(Toy(), TASK))
     assert isinstance(found, GroundProblem)
     return found
+
+
+class Forgetful(dict[Any, Any]):
+    def __setitem__(self, key: Any, value: Any) -> None:
+        pass
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("horizon", [2, 3, 20])
+def test_what_is_kept_of_attempts_changes_no_outcome(
+    seed: int, horizon: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    toy = Toy(horizon=horizon, fails_below=0.2)
+    task = toy.sample_task("train", 0, np.random.default_rng(0))
+    outcomes = []
+    for known in (dict, Forgetful):
+        monkeypatch.setattr(bilevel, "RefinementRecord", lambda known=known: RefinementRecord(known=known()))
+        outcome = bilevel.solve(toy, task, SKILLS, planners.load("astar"), toy.budget, seed)
+        steps = [(str(s.skill.operator), s.subgoal.tolist()) for s in getattr(outcome, "steps", ())]
+        outcomes.append((type(outcome), steps, outcome.effort.samples, outcome.dead_ends))
+    assert outcomes[0] == outcomes[1]

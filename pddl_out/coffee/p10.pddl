@@ -1,0 +1,16 @@
+; evaluation task 9 of seed 0, environment coffee
+(define (problem p10)
+  (:domain coffee)
+  (:objects
+    cup0 cup1 cup2 - cup
+    plate-object - plate
+    pot-object - pot
+    robby - gripper)
+  (:init
+    (handempty robby)
+    (notabovecup robby pot-object)
+    (ontable pot-object))
+  (:goal (and
+    (cupfilled cup0)
+    (cupfilled cup1)
+    (cupfilled cup2))))

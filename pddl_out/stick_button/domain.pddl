@@ -1,0 +1,81 @@
+; Skills of environment stick_button, learned by bpns 0.1.0 from 959 demonstrations
+; (demonstrations of seed 0, learning with seed 0). You may edit this file: keep the
+; operators' names and the types of their parameters.
+(define (domain stick_button)
+  (:requirements :strips :typing)
+  (:types
+    gripper button stick holder - object)
+  (:predicates
+    (abovenobutton)
+    (grasped ?x0 - gripper ?x1 - stick)
+    (handempty ?x0 - gripper)
+    (pressed ?x0 - button)
+    (robotabovebutton ?x0 - gripper ?x1 - button)
+    (stickabovebutton ?x0 - stick ?x1 - button))
+
+  ; learned from 554 demonstrations, 554 segments
+  (:action op0
+    :parameters (?x0 - button ?x1 - gripper)
+    :precondition (and
+      (abovenobutton)
+      (handempty ?x1))
+    :effect (and
+      (pressed ?x0)
+      (robotabovebutton ?x1 ?x0)
+      (not (abovenobutton))))
+
+  ; learned from 201 demonstrations, 201 segments
+  (:action op1
+    :parameters (?x0 - button ?x1 - gripper ?x2 - stick)
+    :precondition (and
+      (handempty ?x1)
+      (pressed ?x0)
+      (robotabovebutton ?x1 ?x0))
+    :effect (and
+      (abovenobutton)
+      (grasped ?x1 ?x2)
+      (not (handempty ?x1))
+      (not (robotabovebutton ?x1 ?x0))))
+
+  ; learned from 603 demonstrations, 603 segments
+  (:action op2
+    :parameters (?x0 - button ?x1 - stick)
+    :precondition (and
+      (abovenobutton))
+    :effect (and
+      (pressed ?x0)
+      (stickabovebutton ?x1 ?x0)
+      (not (abovenobutton))))
+
+  ; learned from 405 demonstrations, 405 segments
+  (:action op3
+    :parameters (?x0 - gripper ?x1 - stick)
+    :precondition (and
+      (abovenobutton)
+      (handempty ?x0))
+    :effect (and
+      (grasped ?x0 ?x1)
+      (not (handempty ?x0))))
+
+  ; learned from 154 demonstrations, 154 segments
+  (:action op4
+    :parameters (?x0 - button ?x1 - button ?x2 - stick)
+    :precondition (and
+      (pressed ?x0)
+      (stickabovebutton ?x2 ?x0))
+    :effect (and
+      (pressed ?x1)
+      (stickabovebutton ?x2 ?x1)
+      (not (stickabovebutton ?x2 ?x0))))
+
+  ; learned from 116 demonstrations, 116 segments
+  (:action op5
+    :parameters (?x0 - button ?x1 - button ?x2 - gripper)
+    :precondition (and
+      (handempty ?x2)
+      (pressed ?x0)
+      (robotabovebutton ?x2 ?x0))
+    :effect (and
+      (pressed ?x1)
+      (robotabovebutton ?x2 ?x1)
+      (not (robotabovebutton ?x2 ?x0)))))

@@ -1,0 +1,16 @@
+; evaluation task 8 of seed 0, environment stick_button
+(define (problem p09)
+  (:domain stick_button)
+  (:objects
+    button0 button1 button2 button3 - button
+    holder-object - holder
+    robby - gripper
+    stick-object - stick)
+  (:init
+    (abovenobutton)
+    (handempty robby))
+  (:goal (and
+    (pressed button0)
+    (pressed button1)
+    (pressed button2)
+    (pressed button3))))
