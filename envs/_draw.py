@@ -102,12 +102,6 @@ class Canvas:
             width=round(thickness * SMOOTH) if edge is not None else 0,
         )
 
-    def dot(self, x: float, y: float, radius: float, color: Color) -> None:
-        """Draw a filled disc; radius in pixels."""
-        cx, cy = self.pixel(x, y)
-        r = radius * SMOOTH
-        self._pen().ellipse((cx - r, cy - r, cx + r, cy + r), fill=color)
-
     def text(self, x: float, y: float, text: str, size: int = 13, anchor: str = "mm") -> None:
         """Write text at a point of the world."""
         self._pen().text(self.pixel(x, y), text, fill=(40, 40, 40), font=_font(size * SMOOTH), anchor=anchor)

@@ -383,7 +383,7 @@ def draw(state: State, caption: str = "") -> Image:
     canvas.text(-0.09, -0.222, "allowed hand region", 11, anchor="lm")
     ((_, robot),) = _features(state, GRIPPER)
     canvas.line((robot[GRIPPER_X], 1.0), (robot[GRIPPER_X], robot[GRIPPER_Y]), RED, 2)
-    canvas.dot(robot[GRIPPER_X], robot[GRIPPER_Y], 6, RED)
+    canvas.disc(robot[GRIPPER_X], robot[GRIPPER_Y], 0.013125, RED)  # 6 pixels
     canvas.text(1.18, 0.96, f"grip {robot[GRIP]:.3f}", 12, anchor="rm")
     canvas.caption(caption.split("\n") if caption else [])
     return canvas.finish()

@@ -1,8 +1,4 @@
-import gzip
-import json
 from math import cos, pi, sin
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,20 +27,15 @@ from symbolic import planners
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import EnvironmentFailure, Split, abstract, sample_tasks
 from symbolic.execution import execute
-from symbolic.recording import replay
 from symbolic.skills import GroundSkill, Rollout
 from symbolic.state import State, Task
 from symbolic.structs import Object
+from tests.envs._operators import assert_operator
 
 ROBBY, THE_POT, THE_PLATE = Object("robby", GRIPPER), Object("pot", POT), Object("plate", PLATE)
 CUP0, CUP1 = Object("cup0", CUP), Object("cup1", CUP)
 SKILLS = {skill.operator.name: skill for skill in ENVIRONMENT.oracle_skills}
 POUR = (0.96, 0.24, 2.0625)  # from a cup to the bottom of a pot that pours into it
-
-
-@pytest.fixture(scope="module")
-def recording(shared: Path) -> Any:
-    return json.loads(gzip.decompress((shared / "reference" / "coffee.json.gz").read_bytes()))
 
 
 def world(**changes: tuple[float, ...]) -> State:
@@ -83,25 +74,6 @@ def oracle_plan(environment: Coffee, task: Task) -> Plan:
     assert isinstance(plan, Plan)
     assert execute(environment, task, plan).success
     return plan
-
-
-def test_recording_is_reproduced(recording: Any) -> None:
-    result = replay(recording, ENVIRONMENT)
-    assert result.examples == []
-    assert result.compared["transition failures"] == sum(
-        t["next_state"] is None for t in recording["transitions"]
-    )
-
-
-@pytest.mark.parametrize("split", ["train", "test"])
-def test_tasks_are_those_recorded_with_seed_0(recording: Any, split: Split) -> None:
-    for task, recorded in zip(
-        sample_tasks(ENVIRONMENT, split, 20, 0), recording[f"{split}_tasks"], strict=True
-    ):
-        assert {n: list(v) for n, v in task.init.features.items()} == recorded["init"]
-        assert {(a.predicate.name, *(o.name for o in a.objects)) for a in task.goal} == set(
-            map(tuple, recorded["goal"])
-        )
 
 
 # --------------------------------------------------------------------------------------- transition
@@ -320,15 +292,7 @@ def test_operators_are_those_of_the_specification() -> None:
         head, _, rest = line.partition(": ")
         conditions, _, effects = rest.partition(" -> ")
         add, _, delete = effects.partition("/")
-        assert f"{operator.name} {','.join(short[v.name] for v in operator.parameters)}" == head
-        for atoms, text in (
-            (operator.preconditions, conditions),
-            (operator.add_effects, add),
-            (operator.delete_effects, delete),
-        ):
-            words = {f"{a.predicate.name}({','.join(short[t.name] for t in a.terms)})" for a in atoms}
-            assert words == set(text.split())
-        assert not operator.negative_preconditions
+        assert_operator(operator, short, head, conditions, add, delete)
         assert skill.sampler.dimension == (operator.name == "TwistPot")
 
 

@@ -1,8 +1,3 @@
-import gzip
-import json
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,18 +5,12 @@ from hypothesis import strategies as st
 
 from envs.cover import BLOCK, COVERS, ENVIRONMENT, GRIPPER, HAND_EMPTY, IS_HOLDING, TARGET, Cover, simulate
 from symbolic.environment import abstract, sample_tasks
-from symbolic.recording import replay
 from symbolic.state import State
 from symbolic.structs import Object
 
 BLOCK0, BLOCK1 = Object("block0", BLOCK), Object("block1", BLOCK)
 ROBBY = Object("robby", GRIPPER)
 TARGET0 = Object("target0", TARGET)
-
-
-@pytest.fixture(scope="module")
-def recording(shared: Path) -> Any:
-    return json.loads(gzip.decompress((shared / "reference" / "cover.json.gz").read_bytes()))
 
 
 def world(**changes: tuple[float, ...]) -> State:
@@ -45,23 +34,6 @@ def step(state: State, dx: float, dy: float, grip: float) -> State:
 
 
 HELD = {"block0": (0.1, 0.1, 0.3, 0.4, 1.0), "robby": (0.3, 0.4, 1.0, 1.0)}
-
-
-def test_recording_is_reproduced(recording: Any) -> None:
-    result = replay(recording, ENVIRONMENT)
-    assert result.examples == []
-    assert result.compared["transition states"] == len(recording["transitions"])
-
-
-@pytest.mark.parametrize("split", ["train", "test"])
-def test_tasks_are_those_recorded_with_seed_0(recording: Any, split: Any) -> None:
-    for task, recorded in zip(
-        sample_tasks(ENVIRONMENT, split, 20, 0), recording[f"{split}_tasks"], strict=True
-    ):
-        assert {n: list(v) for n, v in task.init.features.items()} == recorded["init"]
-        assert {(a.predicate.name, *(o.name for o in a.objects)) for a in task.goal} == set(
-            map(tuple, recorded["goal"])
-        )
 
 
 def test_grasp_needs_the_hand_region() -> None:

@@ -1,8 +1,5 @@
-import gzip
-import json
 import re
 from math import hypot
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,20 +27,15 @@ from symbolic.bilevel import Plan, solve
 from symbolic.environment import EnvironmentFailure, abstract, sample_tasks
 from symbolic.errors import InputError
 from symbolic.execution import execute
-from symbolic.recording import replay
 from symbolic.skills import Failed, GroundSkill, Rollout
 from symbolic.state import State
 from symbolic.structs import Object, Predicate
+from tests.envs._operators import assert_operator
 
 ROBBY, THE_STICK, THE_HOLDER = Object("robby", GRIPPER), Object("stick", STICK), Object("holder", HOLDER)
 LOW, HIGH = Object("button0", BUTTON), Object("button1", BUTTON)  # within the hand's reach, and above it
 SKILLS = {skill.operator.name: skill for skill in ENVIRONMENT.oracle_skills}
 STAY, PRESS = (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
-
-
-@pytest.fixture(scope="module")
-def recording(shared: Path) -> Any:
-    return json.loads(gzip.decompress((shared / "reference" / "stick_button.json.gz").read_bytes()))
 
 
 def world(**changes: tuple[float, ...]) -> State:
@@ -73,28 +65,6 @@ def true(state: State, predicate: Predicate) -> set[tuple[Object, ...]]:
 
 def pressed(state: State) -> set[Object]:
     return {button for (button,) in true(state, PRESSED)}
-
-
-# --------------------------------------------------------------------------------------- recording
-
-
-def test_recording_is_reproduced(recording: Any) -> None:
-    result = replay(recording, ENVIRONMENT)
-    assert result.examples == []
-    assert result.compared["transition failures"] == sum(
-        t["next_state"] is None for t in recording["transitions"]
-    )
-
-
-@pytest.mark.parametrize("split", ["train", "test"])
-def test_tasks_are_those_recorded_with_seed_0(recording: Any, split: Any) -> None:
-    for task, recorded in zip(
-        sample_tasks(ENVIRONMENT, split, 20, 0), recording[f"{split}_tasks"], strict=True
-    ):
-        assert {n: list(v) for n, v in task.init.features.items()} == recorded["init"]
-        assert {(a.predicate.name, *(o.name for o in a.objects)) for a in task.goal} == set(
-            map(tuple, recorded["goal"])
-        )
 
 
 # --------------------------------------------------------------------------------------- transition
@@ -446,15 +416,7 @@ def test_operators_are_those_of_the_specification() -> None:
     for skill, line in zip(ENVIRONMENT.oracle_skills, lines, strict=True):
         operator = skill.operator
         head, conditions, add, delete = (part.strip() for part in re.split(r": | -> | / ", line))
-        assert f"{operator.name} {','.join(short[v.name] for v in operator.parameters)}" == head
-        for atoms, text in (
-            (operator.preconditions, conditions),
-            (operator.add_effects, add),
-            (operator.delete_effects, delete),
-        ):
-            words = {f"{a.predicate.name}({','.join(short[t.name] for t in a.terms)})" for a in atoms}
-            assert words == set(text.split())
-        assert not operator.negative_preconditions
+        assert_operator(operator, short, head, conditions, add, delete)
         assert skill.sampler.dimension == operator.name.startswith("PickStick")
 
 
