@@ -3,7 +3,7 @@
 import json
 import sys
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, fields, is_dataclass
 
 import click
 
@@ -25,10 +25,14 @@ def command(context: click.Context) -> None:
         click.echo(f"  types:      {', '.join(types)}")
         click.echo(f"  predicates: {', '.join(p.signature for p in environment.classifiers)}")
         click.echo(f"  goals:      {', '.join(sorted(p.name for p in environment.goal_predicates))}")
+        if is_dataclass(environment):
+            options = (f"{f.name}={getattr(environment, f.name)}" for f in fields(environment))
+            click.echo(f"  options:    {', '.join(options)}")
         budget = environment.budget
         click.echo(
             f"  budget:     {budget.abstract_plans} abstract plans, "
-            f"{budget.samples_per_step} samples per step, {environment.horizon} actions"
+            f"{budget.samples_per_step} samples per step, {budget.samples_per_plan} per plan, "
+            f"{environment.horizon} actions"
         )
 
 

@@ -290,7 +290,8 @@ def _sample_block_region(
 class Cover:
     """The environment; the options are those of the paper's supplementary experiments."""
 
-    irrelevant_blocks: Mapping[Split, int] | None = None  # tiny blocks far away, per split
+    train_irrelevant_blocks: int = 0  # tiny ones, far away
+    test_irrelevant_blocks: int = 0
 
     name = "cover"
     types = (BLOCK, TARGET, GRIPPER, BLOCK_REGION, TARGET_REGION)
@@ -326,7 +327,7 @@ class Cover:
                 rng, (x, width), target, regions[i]
             )
             features[Object(f"block{i}", BLOCK)] = (BLOCK_HEIGHT, width, x, BLOCK_HEIGHT, -1.0)
-        for i in range((self.irrelevant_blocks or {}).get(split, 0)):
+        for i in range(self.train_irrelevant_blocks if split == "train" else self.test_irrelevant_blocks):
             far = (BLOCK_HEIGHT, 0.001, -100.0, BLOCK_HEIGHT, -1.0)
             features[Object(f"irrelevant-block{i}", BLOCK)] = far
         pairs = [COVERS(Object(f"block{i}", BLOCK), Object(f"target{i}", TARGET)) for i in range(2)]

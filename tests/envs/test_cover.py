@@ -106,7 +106,7 @@ def test_invariants(seed: int, actions: list[tuple[float, float, float]]) -> Non
 
 
 def test_irrelevant_blocks_are_there_in_their_split_only() -> None:
-    environment = Cover(irrelevant_blocks={"test": 3})
+    environment = Cover(test_irrelevant_blocks=3)
     train, test = (sample_tasks(environment, split, 1, 5)[0].init for split in ("train", "test"))  # type: ignore[arg-type]
     assert len(train.objects) == 9
     assert [o.name for o in test.objects if o.name.startswith("irr")] == [

@@ -160,14 +160,14 @@ def test_several_at_once() -> None:
 
 
 def test_options() -> None:
-    world = make("cover", irrelevant_blocks={"train": 3}, atoms=False)
+    world = make("cover", train_irrelevant_blocks=3, atoms=False)
     observation, info = world.reset(seed=0)
     assert len(observation["objects"]["block"]) == 5
     assert "atoms" not in info
 
 
 def test_bad_input_is_refused_in_words() -> None:
-    with pytest.raises(InputError, match=r"'cover' has no option 'blocks' \(have: irrelevant_blocks\)"):
+    with pytest.raises(InputError, match=r"'cover' has no option 'blocks' \(have: train_irrel"):
         make("cover", blocks=3)
     world = make("cover").unwrapped
     world.reset(seed=0)
