@@ -148,7 +148,7 @@ def _print(results: list[tuple[int, Result]], labels: list[str], summary: Summar
         cells = [f"{_number(mean, d)} ({_number(std, d)})" for (mean, std), d in _columns(summary)]
         table.add_section()
         table.add_row("mean (std)", "", str(len(results)), *cells)
-    Console(width=max(160, Console().width), highlight=False).print(table)
+    Console(width=max(160, Console().width), highlight=False, markup=False, emoji=False).print(table)
     for index, result in results:
         if not result.executed:
             click.echo(f"not solved: {labels[index]}, seed {result.seed}, task {result.task}: {result.fault}")

@@ -70,7 +70,10 @@ def command(
     write_model(out, world, load, seed, skills, run, header)
     for one in learned:
         support = f"(from {one.demonstrations} demonstrations, {one.segments} segments)"
-        click.echo(f"{operator_text(one.skill.operator)}\n  {support}\n")
+        click.echo(f"{operator_text(one.skill.operator)}\n  {support}")
+        if not one.skill.operator.preconditions:
+            click.echo("  no preconditions: do the predicates name every object that matters?")
+        click.echo()
     click.echo(f"learned {len(learned)} skills in {seconds:.1f} s: {out}")
 
 

@@ -5,6 +5,7 @@ files' docstrings, so that ``bpns --help`` imports none of them.
 """
 
 import ast
+import os
 import sys
 import warnings
 from importlib import import_module
@@ -15,7 +16,7 @@ import click
 from bpns import __version__
 from symbolic.errors import InputError, Unsupported
 
-BAD_INPUT, UNSUPPORTED = 36, 37
+BAD_INPUT, UNSUPPORTED, CODE_ERROR = 36, 37, 70
 
 
 class _Commands(click.Group):
@@ -44,7 +45,8 @@ def program() -> None:
     """Learn skills from demonstrations, export them as PDDL, and plan with any planner.
 
     Exit codes: 0 done, 1 differences or faults found (replay, envs check), 2 wrong usage, 11 no plan
-    exists, 12 plans exist but none was refined within the limits, 36 bad input, 37 unsupported PDDL.
+    exists, 12 plans exist but none was refined within the limits, 36 bad input, 37 unsupported PDDL,
+    70 an error in the code, mostly of an environment of one's own.
     """
 
 
@@ -62,3 +64,10 @@ def main() -> None:
     except OSError as error:
         print(f"error: {error.strerror or error}: {error.filename}", file=sys.stderr)
         sys.exit(BAD_INPUT)
+    except Exception as error:
+        if "BPNS_TRACEBACK" in os.environ:
+            raise
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        advice = "'bpns envs check NAME' says what an environment lacks; BPNS_TRACEBACK=1 shows where it was"
+        print(f"error: {text} ({advice})", file=sys.stderr)
+        sys.exit(CODE_ERROR)

@@ -170,11 +170,13 @@ def _plan_task(
     if as_json:
         click.echo(json.dumps(_as_json(outcome, execution, goal), indent=2))
     else:
-        click.echo(f"task {number} of seed {seed} in {environment.name}: {goal}")
+        click.echo(f"task {number} of seed {seed} in {subject.asked}: {goal}")
         _print_outcome(outcome, execution)
     if show is not None and isinstance(outcome, Plan) and execution is not None:
         _show(show, subject, outcome, execution, task.goal)
         click.echo(f"animation: {show}", err=as_json)
+    if show is not None and isinstance(outcome, NoPlan):
+        click.echo(f"no animation, as there is no plan: {show} is not written", err=True)
     if isinstance(outcome, NoPlan):
         sys.exit(NO_PLAN if outcome.reason in ("unreachable", "no plan") else NOT_REFINED)
     if execution is not None and not execution.success:

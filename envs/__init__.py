@@ -44,7 +44,10 @@ def find(name: str) -> object:
             found = getattr(import_module(module), attribute)
             found = found() if isinstance(found, type) else found
         except Exception as error:  # whatever a stranger's module does at import
-            raise InputError(f"cannot load environment '{place}': {type(error).__name__}: {error}") from error
+            raise InputError(
+                f"cannot load environment '{place}': {type(error).__name__}: {error} "
+                "(modules are looked for in the current folder, in PYTHONPATH and among installed packages)"
+            ) from error
     return with_options(found, options, place) if options else found
 
 

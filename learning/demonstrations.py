@@ -237,7 +237,10 @@ def _read_labels(
     labels: list[Label | None] = []
     for name, *arguments in json.loads(group.attrs["given_skills"]):
         if name not in given:
-            raise ValueError(f"{group.name}: given skill '{name}' is none of '{environment.name}'")
+            raise InputError(
+                f"{group.file.filename}: has actions of a given skill '{name}', which is not in the "
+                f"given_skills of '{environment.name}' (have: {', '.join(given) or 'none'}): add it there"
+            )
         label = Label(name, tuple(objects[o] for o in arguments))
         types = given[name].types
         fits = len(types) == len(label.objects)

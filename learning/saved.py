@@ -206,7 +206,10 @@ def read_model(folder: Path, environment: Environment) -> SavedModel:
     names = model_names(domain_of(environment, ())) | {name.lower(): name for name in file.skills}
     domain = read_domain(path, names)
     if domain.name != environment.name:
-        raise InputError(f"{path}: the domain is called '{domain.name}', not '{environment.name}': rename it")
+        raise InputError(
+            f"{path}: the domain is called '{domain.name}', not '{environment.name}': rename it, "
+            "or put back the file of this model"
+        )
     operators = bind_operators(domain, environment, path)
     by_name = {operator.name: operator for operator in operators}
     have = ", ".join(file.skills)

@@ -11,7 +11,7 @@ from symbolic.contract.findings import Remarks, fault, kind_of, raised
 from symbolic.environment import Budget, Environment, domain_of
 from symbolic.errors import InputError
 from symbolic.pddl.write import model_names
-from symbolic.skills import GivenSkill, Skill
+from symbolic.skills import GivenPolicy, GivenSkill, Skill
 from symbolic.structs import OBJECT, Object, Predicate, Type
 
 NAMES = sorted(name for name in dir(Environment) if not name.startswith("_"))
@@ -193,6 +193,13 @@ def symbols(subject: object, broken: Collection[str]) -> Remarks:
     if "oracle_skills" not in broken:
         for skill in environment.oracle_skills:
             yield from _operator(environment, skill)
+            if "given_skills" not in broken and isinstance(skill.policy, GivenPolicy):
+                given = skill.policy.given
+                if given not in environment.given_skills:
+                    yield fault(
+                        f"oracle skill {skill.operator.name} uses given skill {given.name}, "
+                        "which is not in given_skills: add it"
+                    )
     return f"{len(environment.types)} types, {len(environment.classifiers)} predicates"
 
 

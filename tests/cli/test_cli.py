@@ -15,6 +15,8 @@ from cli.main import main
 from learning.demonstrations import Demonstrations, write_demonstrations
 from learning.saved import entry_of, write_model
 from learning.skills import LearnedSkill
+from symbolic.state import Array, State
+from tests.toy import Toy
 
 Run = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]
@@ -36,6 +38,29 @@ def bpns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
         return code, captured.out, captured.err
 
     return run
+
+
+class Faulty(Toy):
+    def simulate(self, state: State, action: Array) -> State:
+        raise KeyError("no such hinge")
+
+
+def test_an_error_in_ones_own_code_is_one_line(bpns: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    code, _, err = bpns("evaluate", "--oracle", "tests.cli.test_cli:Faulty", "--tasks", 1)
+    assert code == 70
+    assert err.count("\n") == 1
+    assert err.startswith("error: KeyError: 'no such hinge' ('bpns envs check NAME' says")
+    monkeypatch.setenv("BPNS_TRACEBACK", "1")
+    with pytest.raises(KeyError):
+        bpns("evaluate", "--oracle", "tests.cli.test_cli:Faulty", "--tasks", 1)
+
+
+def test_a_name_with_options_is_shown_as_it_was_given(bpns: Run) -> None:
+    asked = "coffee:train_cups=1:test_cups=2"
+    _, out, _ = bpns("evaluate", "--oracle", asked, "--tasks", 1)
+    assert f"oracle:{asked}" in out
+    _, out, _ = bpns("plan", "--oracle", asked, "--plans", 1)
+    assert f"in {asked}" in out
 
 
 @pytest.fixture

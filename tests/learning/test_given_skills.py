@@ -116,7 +116,7 @@ def one_label_too_few(group: h5py.Group) -> None:
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (unknown_skill, "given skill 'Teleport' is none of 'doors'"),
+        (unknown_skill, "given skill 'Teleport', which is not in the given_skills of 'doors'"),
         (swapped_objects, "Move.*Door is not over"),
         (number_out_of_range, "a label is out of range"),
         (number_below_none, "a label is out of range"),

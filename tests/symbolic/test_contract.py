@@ -11,7 +11,7 @@ from PIL import Image
 
 from symbolic.contract import Finding, attributes, check
 from symbolic.environment import Budget, Environment, EnvironmentFailure, Split
-from symbolic.skills import Controller, NoSampler
+from symbolic.skills import Controller, GivenPolicy, GivenSkill, NoSampler
 from symbolic.state import Array, State, Task
 from symbolic.structs import GroundAtom, Object, Predicate, Type
 from tests.toy import DOOR, DOOR_0, HAND, HAND_0, HAS_KEY, IS_OPEN, SEARCH, SKILLS, UNLOCK, Toy
@@ -222,6 +222,11 @@ CASES: dict[str, tuple[object, str, str]] = {
     "contacts": (toy(contact_predicates={IS_OPEN}), "attributes", "contact_predicates is .* frozenset"),
     "skills": (toy(oracle_skills=(SEARCH,)), "attributes", "oracle_skills is .*: give a tuple of"),
     "given": (toy(given_skills=("walk",)), "attributes", "given_skills is .*: give a tuple of"),
+    "given, not said": (
+        with_skill("search", policy=GivenPolicy(GivenSkill("walk", (HAND,), SKILLS["search"].policy), (0,))),
+        "symbols",
+        "search uses given skill walk, which is not in given_skills",
+    ),
     "no policy": (with_skill("search", policy=None), "attributes", "search, whose policy has no method"),
     "low": (toy(action_low=np.zeros(2)), "attributes", r"action_low is float64 of shape \(2,\)"),
     "bounds": (toy(action_low=HALF * 4), "attributes", "action_low must .* be at most as high"),
