@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from math import cos, pi, sin
 from typing import TypeAlias
 
+from envs._actions import checked
 from symbolic.environment import Classifier, EnvironmentFailure
 from symbolic.state import Array, Features, State
 from symbolic.structs import Object, Predicate, Type
@@ -167,7 +168,7 @@ CLASSIFIERS: Mapping[Predicate, Classifier] = {
 
 def simulate(state: State, action: Array) -> State:
     """Return the next state. Source: spec, coffee.md section 4; the comments count its rules."""
-    dx, dy, dz, dtilt, dwrist, dfingers = _checked(action)
+    dx, dy, dz, dtilt, dwrist, dfingers = checked(action, (1, 1, 1, 1, 1, 1), "six numbers in [-1, 1]")
     robot_name, pot_name, plate_name = (state.by_type[t.name][0].name for t in SINGLE)
     old, pot = state.features[robot_name], state.features[pot_name]
     on = state.features[plate_name][0] > 0.5
@@ -220,11 +221,3 @@ def _poured(state: State, spout: Point) -> tuple[str, Features]:
     if level > fixed[LIMIT]:
         raise EnvironmentFailure(f"overfilled: {name} cannot hold what is poured")
     return name, (*fixed, level)
-
-
-def _checked(action: Array) -> list[float]:
-    """Return an action as Python floats; raise ValueError where it is outside the box."""
-    values: list[float] = action.tolist()  # float64: everything after is computed in double precision
-    if action.shape != (6,) or not all(-1.0 <= v <= 1.0 for v in values):
-        raise ValueError(f"action {values} is not in the box (six numbers in [-1, 1])")
-    return values

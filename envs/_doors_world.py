@@ -6,10 +6,11 @@ close cases cost geometry.
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import cos, isfinite, sin, sqrt, tanh
+from math import cos, inf, sin, sqrt, tanh
 
 import numpy as np
 
+from envs._actions import checked
 from envs._shapes2d import Circle, Rectangle, rectangle_meets_circle, rectangles_meet
 from symbolic.environment import Classifier
 from symbolic.state import Array, Features, State
@@ -25,6 +26,7 @@ X, Y, THETA, MASS, FRICTION, ROTATION, TARGET, IS_OPEN = range(8)  # of a door
 ROOM_SIZE, GAP, THICKNESS = 1.0, 0.25, 0.01  # THICKNESS: of walls and doors
 RADIUS = 0.05  # of the robot
 STEP = 0.05  # most per action and axis
+_BOUND = float(np.float32(STEP))
 PADDING = RADIUS + 0.001  # of a doorway, to both sides of its door
 HANDLE_TOLERANCE = 0.01
 MARGIN = 1e-6  # keeps the comparisons of coordinates from deciding any close case
@@ -205,7 +207,7 @@ def opening_rotation(door: Features) -> float:
 
 def simulate(state: State, action: Array) -> State:
     """Return the next state. Source: spec, doors.md section 4."""
-    dx, dy, rotation = _checked(action)
+    dx, dy, rotation = checked(action, (_BOUND, _BOUND, inf), f"dx, dy in +-{STEP}, any rotation")
     (robot,) = state.by_type[ROBOT.name]
     x, y = state.features[robot.name]
     changes: dict[str, Features] = {}
@@ -217,14 +219,3 @@ def simulate(state: State, action: Array) -> State:
             opened = abs(rotation - opening_rotation(door)) < HANDLE_TOLERANCE
             changes[obj.name] = (*door[:ROTATION], rotation, door[TARGET], 1.0 if opened else door[IS_OPEN])
     return state.changed(changes)
-
-
-_BOUND = float(np.float32(STEP))
-
-
-def _checked(action: Array) -> list[float]:
-    """Return an action as Python floats; raise ValueError where it is outside the box."""
-    values: list[float] = action.tolist()
-    if len(values) != 3 or not all(abs(v) <= _BOUND for v in values[:2]) or not isfinite(values[2]):
-        raise ValueError(f"action {values} is not in the box (dx, dy in +-{STEP}, any rotation)")
-    return values

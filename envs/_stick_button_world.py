@@ -6,6 +6,7 @@ Source: spec, stick_button.md sections 1 to 5.
 from collections.abc import Mapping
 from math import cos, pi, sin
 
+from envs._actions import checked
 from envs._shapes2d import Circle, Rectangle, circles_meet, rectangle_meets_circle
 from symbolic.environment import Classifier, EnvironmentFailure
 from symbolic.state import Array, Features, State
@@ -108,7 +109,7 @@ CLASSIFIERS: Mapping[Predicate, Classifier] = {
 
 def simulate(state: State, action: Array) -> State:
     """Return the next state. Source: spec, stick_button.md section 4; the comments count its rules."""
-    dx, dy, force = _checked(action)
+    dx, dy, force = checked(action, (1, 1, 1), "dx, dy, force, all in [-1, 1]")
     dx, dy = STEP * dx, STEP * dy  # 1
     robot_name, (x, y) = only(state, GRIPPER)
     x, y = x + dx, y + dy
@@ -134,11 +135,3 @@ def simulate(state: State, action: Array) -> State:
             if rectangle_meets_circle(tip, disc) if held > 0.5 else circles_meet(robot, disc):
                 changes[obj.name] = (button[X], button[Y], 1.0)
     return state.changed(changes)
-
-
-def _checked(action: Array) -> list[float]:
-    """Return an action as Python floats; raise ValueError where it is outside the box."""
-    values: list[float] = action.tolist()
-    if len(values) != 3 or not all(-1 <= v <= 1 for v in values):
-        raise ValueError(f"action {values} is not in the box (dx, dy, force, all in [-1, 1])")
-    return values

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from PIL.Image import Image
 
+from envs._actions import checked
 from envs._draw import Canvas, Color
 from envs._shapes2d import Rectangle, rectangles_meet, segment_meets_rectangle
 from symbolic.environment import Budget, Classifier, Split
@@ -87,7 +89,7 @@ CLASSIFIERS: Mapping[Predicate, Classifier] = {
 
 def simulate(state: State, action: Array) -> State:
     """Return the next state. Source: spec, cover.md section 4; the comments count its rules."""
-    dx, dy, grip = _checked(action)
+    dx, dy, grip = checked(action, (inf, inf, 1), "dx, dy, grip in [-1, 1]")
     ((robot_name, robot),) = _features(state, GRIPPER)
     blocks = _features(state, BLOCK)
     x, y = robot[GRIPPER_X], robot[GRIPPER_Y]
@@ -135,14 +137,6 @@ def simulate(state: State, action: Array) -> State:
         changes[held_name] = placed
         changes[robot_name] = (x, y, grip, -1.0)
     return state.changed(changes)
-
-
-def _checked(action: Array) -> list[float]:
-    """Return an action as Python floats; raise ValueError where it is outside the box."""
-    values: list[float] = action.tolist()
-    if len(values) != 3 or any(v != v for v in values) or not -1 <= values[2] <= 1:
-        raise ValueError(f"action {values} is not in the box (dx, dy, dgrip in [-1, 1])")
-    return values
 
 
 def _sweep_collides(held: Features, others: list[Features], dx: float, dy: float) -> bool:
