@@ -18,7 +18,7 @@ CUP = Type("cup", ("x", "y", "liquid-capacity", "liquid-target", "current-liquid
 
 X, Y, Z, TILT, WRIST, FINGERS = range(6)  # of the gripper; X and Y of pot and cups too
 ROTATION, IS_HELD, IS_HOT = 2, 3, 4  # of the pot
-LIMIT, TARGET, LEVEL = 2, 3, 4  # of a cup
+CAPACITY, TARGET, LEVEL = 2, 3, 4  # of a cup
 
 WORLD = 10.0  # x, y and z are in 0..WORLD
 BUTTON: Point = (9.0, 7.5, 3.0)
@@ -218,6 +218,6 @@ def _poured(state: State, spout: Point) -> tuple[str, Features]:
         raise EnvironmentFailure("spilled: no cup is below the tilted pot")
     *fixed, level = state.features[name]
     level += POUR_AMOUNT
-    if level > fixed[LIMIT]:
+    if level > fixed[CAPACITY]:
         raise EnvironmentFailure(f"overfilled: {name} cannot hold what is poured")
     return name, (*fixed, level)

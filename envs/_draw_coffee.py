@@ -15,7 +15,7 @@ from envs._coffee_world import (
     IS_HELD,
     IS_HOT,
     LEVEL,
-    LIMIT,
+    CAPACITY,
     PLATE,
     PLATE_CORNER,
     PLATE_SIZE,
@@ -106,7 +106,7 @@ def _draw_front(canvas: Canvas, state: State) -> None:
         cup = state[obj]
         left, width = ACROSS + cup[X] - CUP_RADIUS, 2 * CUP_RADIUS
         canvas.rectangle(left, 0, width, cup[LEVEL], LIQUID)
-        canvas.rectangle(left, 0, width, cup[LIMIT], LIQUID, 0.0, BLACK, 1.5)
+        canvas.rectangle(left, 0, width, cup[CAPACITY], LIQUID, 0.0, BLACK, 1.5)
         canvas.line((left - 0.1, cup[TARGET]), (left + width + 0.1, cup[TARGET]), RED, 1)
     angle = robot[TILT] if held else 0.0  # the spout goes down to the left, where the cup is
     turn = _turned((ACROSS + robot[X], robot[Z]), angle)

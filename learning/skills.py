@@ -37,9 +37,9 @@ DEFAULT_DISCRIMINATOR = Training(1000, learning_rate=1e-2, decay=True, held_out=
 class SkillConfig:
     """How to learn. ``full`` gives the paper's settings (spec, hyperparameters.md).
 
-    By default networks are trained faster, which costs no success: with a high learning rate that falls, and
-    with numbers of iterations that all policies and all generators share, so that learning time is bounded
-    however many skills there are. And a roll-out that takes far longer than any demonstration is given up.
+    By default networks are trained faster: with a high learning rate that falls, and with numbers of
+    iterations that all policies and all generators share, so that learning time is bounded however many
+    skills there are. And a roll-out that takes far longer than any demonstration is given up.
     """
 
     min_share: float = 0.01  # of all segments, below which an operator is dropped
