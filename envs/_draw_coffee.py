@@ -8,6 +8,7 @@ from PIL.Image import Image
 from envs._coffee_world import (
     BUTTON,
     BUTTON_RADIUS,
+    CAPACITY,
     CUP,
     CUP_RADIUS,
     GRIPPER,
@@ -15,7 +16,6 @@ from envs._coffee_world import (
     IS_HELD,
     IS_HOT,
     LEVEL,
-    CAPACITY,
     PLATE,
     PLATE_CORNER,
     PLATE_SIZE,
