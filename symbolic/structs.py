@@ -13,19 +13,41 @@ Atom = TypeVar("Atom", "GroundAtom", "LiftedAtom")
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """A type, its features (entries of a state vector, in order) and the type that it specialises."""
+    """A type, its features (entries of a state vector, in order) and the type that it specialises.
+
+    ``either`` makes it PDDL's ``(either a b)``: what is of type a or of type b. See ``either``, below.
+    """
 
     name: str
     features: tuple[str, ...] = ()
     parent: "Type | None" = None
+    either: "tuple[Type, ...]" = ()
 
     def __hash__(self) -> int:
         return hash(self.name)
 
+    def __eq__(self, other: object) -> bool:
+        """Compare by content; a loop, as recursion would not survive a long line of ancestors."""
+        if not isinstance(other, Type):
+            return NotImplemented
+        one: Type | None = self
+        two: Type | None = other
+        while one is not two:
+            if one is None or two is None or one.name != two.name:
+                return False
+            if one.features != two.features or one.either != two.either:
+                return False
+            one, two = one.parent, two.parent
+        return True
+
     def is_a(self, ancestor: "Type") -> bool:
         """Say whether every object of this type is one of ``ancestor`` too."""
-        if ancestor == OBJECT:
+        if self is ancestor or ancestor == OBJECT:
             return True
+        if self.either:
+            return all(kind.is_a(ancestor) for kind in self.either)
+        if ancestor.either:
+            return any(self.is_a(kind) for kind in ancestor.either)
         step: Type | None = self
         while step is not None:
             if step == ancestor:
@@ -35,6 +57,14 @@ class Type:
 
 
 OBJECT = Type("object")  # the root of all types in PDDL; types without a parent stand right below it
+
+
+def either(types: Iterable[Type]) -> Type:
+    """Return the type of what is of one of the given types, each named once; of one type, that type."""
+    kinds = tuple(dict.fromkeys(types))
+    if len(kinds) == 1 or OBJECT in kinds:
+        return OBJECT if OBJECT in kinds else kinds[0]
+    return Type(f"(either {' '.join(kind.name for kind in kinds)})", either=kinds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +129,11 @@ class Predicate:
                 raise ValueError(f"{self.name}: argument {place} is of type {given.name}, not {wanted.name}")
 
 
+EQUAL = Predicate(
+    "=", (OBJECT, OBJECT)
+)  # built in: only in preconditions, decided when an operator is ground
+
+
 @dataclass(frozen=True, slots=True)
 class GroundAtom:
     """A predicate applied to objects."""
@@ -134,7 +169,10 @@ class LiftedAtom:
 
 @dataclass(frozen=True, slots=True)
 class Operator:
-    """When something can happen (preconditions) and what it changes (effects), over parameters."""
+    """When something can happen (preconditions) and what it changes (effects), over parameters.
+
+    Preconditions of either sign may hold atoms of ``EQUAL``; effects may not, nor may any abstract state.
+    """
 
     name: str
     parameters: tuple[Variable, ...]
@@ -147,7 +185,7 @@ class Operator:
         return hash(self.name)
 
     def ground(self, objects: tuple[Object, ...]) -> "GroundOperator":
-        """Bind the parameters; raise ValueError where the number or a type is wrong."""
+        """Bind the parameters; raise ValueError where the number, a type or an (in)equality is wrong."""
         if len(objects) != len(self.parameters):
             raise ValueError(f"{self.name} takes {len(self.parameters)} objects, not {len(objects)}")
         for variable, obj in zip(self.parameters, objects, strict=True):
@@ -158,13 +196,24 @@ class Operator:
         def bind(atoms: frozenset[LiftedAtom]) -> frozenset[GroundAtom]:
             return frozenset(atom.ground(binding) for atom in atoms)
 
+        def decide(atoms: frozenset[LiftedAtom], equal: bool) -> frozenset[GroundAtom]:
+            bound = bind(atoms)
+            equalities = [atom for atom in bound if atom.predicate.name == EQUAL.name]
+            if not equalities:
+                return bound
+            for one, two in (atom.objects for atom in sort_atoms(equalities)):
+                if (one == two) != equal:
+                    must = "be one object" if equal else "differ"
+                    raise ValueError(f"{self.name}: {one.name} and {two.name} must {must}")
+            return bound.difference(equalities)
+
         return GroundOperator(
             self,
             objects,
-            bind(self.preconditions),
+            decide(self.preconditions, True),
             bind(self.add_effects),
             bind(self.delete_effects),
-            bind(self.negative_preconditions),
+            decide(self.negative_preconditions, False),
         )
 
 

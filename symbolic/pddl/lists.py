@@ -1,9 +1,8 @@
 """PDDL's skeleton: text -> nested lists of words that know where they stand."""
 
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from lark import Lark, Token, Transformer
 from lark.exceptions import UnexpectedToken
@@ -11,22 +10,18 @@ from lark.exceptions import UnexpectedToken
 from symbolic.errors import PddlError
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A word in lower case and where it stands."""
+class Word(NamedTuple):
+    """A word in lower case and where it starts in the text."""
 
     text: str
-    line: int
-    column: int
+    start: int
 
 
-@dataclass(frozen=True, slots=True)
-class List:
-    """A parenthesised list and where it opens."""
+class List(NamedTuple):
+    """A parenthesised list and where it starts in the text."""
 
     items: "tuple[Node, ...]"
-    line: int
-    column: int
+    start: int
 
     @property
     def head(self) -> str:
@@ -37,21 +32,37 @@ class List:
 Node: TypeAlias = Word | List
 
 
+def shown(text: str, most: int = 60) -> str:
+    """Return a text that is fit for a message: no control characters, and not too long."""
+    cut = text if len(text) <= most else f"{text[:most]}..."
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in cut)
+
+
+def pddl_error(
+    text: str, path: str, start: int, message: str, kind: type[PddlError] = PddlError
+) -> PddlError:
+    """Return an error with the line and the column of a place in a text."""
+    line, column = text.count("\n", 0, start) + 1, start - text.rfind("\n", 0, start)
+    return kind(path, line, column, message)
+
+
 class _Build(Transformer[Token, List]):
     def start(self, children: list[List]) -> List:
         return children[0]
 
     def list(self, children: "list[Token | Node]") -> List:
-        opening, *items, _ = children
-        assert isinstance(opening, Token)
-        nodes = (Word(i.lower(), i.line or 0, i.column or 0) if isinstance(i, Token) else i for i in items)
-        return List(tuple(nodes), opening.line or 0, opening.column or 0)
+        assert isinstance(children[0], Token)
+        items = [item for item in children[1:] if not isinstance(item, Token)]
+        return List(tuple(items), children[0].start_pos or 0)
+
+    def WORD(self, token: Token) -> Word:  # noqa: N802  (lark looks for the terminal's name)
+        return Word(token.lower() if token.isascii() else str(token), token.start_pos or 0)
 
 
 @cache
 def _parser() -> Lark:
     text = (Path(__file__).parent / "grammar.lark").read_text(encoding="utf-8")
-    return Lark(text, parser="lalr", transformer=_Build(), keep_all_tokens=True, propagate_positions=False)
+    return Lark(text, parser="lalr", lexer="basic", transformer=_Build(), propagate_positions=False)
 
 
 def parse_lists(text: str, path: str) -> List:
@@ -59,15 +70,19 @@ def parse_lists(text: str, path: str) -> List:
     try:
         tree = _parser().parse(text)
     except UnexpectedToken as error:
-        line, column = max(error.line, 1), max(error.column, 1)
-        if error.token.type == "$END":
-            line, column = text.count("\n") + 1, len(text) - text.rfind("\n")
-            if "(" not in text:
-                raise PddlError(path, line, column, "no PDDL here: expected (define ...)") from None
-            what = "the file ends inside a list: a ')' is missing, or the file is cut off"
-            raise PddlError(path, line, column, what) from None
-        if error.token == ")":
-            raise PddlError(path, line, column, "')' without its '(': remove it") from None
-        raise PddlError(path, line, column, f"'{error.token}' outside the definition: remove it") from None
+        if error.token.type != "$END":
+            raise pddl_error(text, path, error.token.start_pos or 0, _outside(error.token)) from None
+        what = "the file ends inside a list: a ')' is missing, or the file is cut off"
+        if not any(line.partition(";")[0].strip() for line in text.split("\n")):
+            what = "no PDDL here: expected (define ...)"
+        raise pddl_error(text, path, len(text), what) from None
     assert isinstance(tree, List)
     return tree
+
+
+def _outside(token: str) -> str:
+    if token == ")":
+        return "')' without its '(': remove it"
+    if token == "(":
+        return "'(' outside the definition: remove it, or put what it begins into a file of its own"
+    return f"'{shown(token)}' outside the definition: remove it"

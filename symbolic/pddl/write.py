@@ -6,6 +6,7 @@ from itertools import groupby
 from symbolic.errors import InputError
 from symbolic.pddl.vocabulary import NAME, NO_PREDICATES
 from symbolic.structs import (
+    EQUAL,
     OBJECT,
     Domain,
     GroundAtom,
@@ -144,6 +145,9 @@ def _requirements(domain: Domain, negative: bool = False) -> list[str]:
         found.append(":typing")
     if negative or any(o.negative_preconditions for o in domain.operators):
         found.append(":negative-preconditions")
+    conditions = (a for o in domain.operators for a in o.preconditions | o.negative_preconditions)
+    if any(atom.predicate == EQUAL for atom in conditions):
+        found.append(":equality")
     return found
 
 

@@ -4,12 +4,13 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from random import Random
+from time import monotonic
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic.grounding import GroundProblem, Unreachable, ground
+from symbolic.grounding import GroundProblem, OutOfTime, Unreachable, ground
 from symbolic.structs import Domain, GroundAtom, Object, Operator, Predicate, Problem, Type, Variable
 from tests.symbolic._problems import (
     COVER,
@@ -205,6 +206,22 @@ def test_order_of_the_input_does_not_matter(task: tuple[Domain, Problem], seed: 
         assert one.operators == other.operators
     else:
         assert one == other
+
+
+def test_deadline_ends_grounding() -> None:
+    thing = Type("thing")
+    marks = tuple(Variable(f"?x{i}", thing) for i in range(9))
+    seen = Predicate("seen", (thing,))
+    look = Operator("look", marks, frozenset(), frozenset({seen.lifted(marks[0])}), frozenset())
+    objects = tuple(Object(f"o{i}", thing) for i in range(50))  # 50 ** 9 ground operators
+    domain, problem = Domain("d", (thing,), (seen,), (look,)), Problem("p", objects, frozenset(), frozenset())
+    assert ground(domain, problem, monotonic() + 0.05) == OutOfTime()
+    assert ground(domain, problem, monotonic() - 1) == OutOfTime()
+
+
+def test_deadline_that_does_not_pass_changes_nothing() -> None:
+    domain, problem = COVER, cover_problem(3)
+    assert ground(domain, problem, monotonic() + 1e6) == ground(domain, problem)
 
 
 def test_operators_are_ordered_by_name_then_objects() -> None:

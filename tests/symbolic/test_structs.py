@@ -13,6 +13,7 @@ from symbolic.structs import (
     Type,
     Variable,
     canonical_order,
+    either,
     sort_atoms,
 )
 from tests.symbolic._problems import BLOCK, COVERS, GRIPPER, HAND_EMPTY, HOLDING, PICK, TARGET
@@ -36,6 +37,38 @@ def test_every_type_is_an_object() -> None:
     assert Type("cup", (), Type("movable")).is_a(OBJECT)
     assert OBJECT.is_a(OBJECT)
     assert not OBJECT.is_a(BLOCK)
+
+
+def test_either_is_what_all_its_types_are_and_what_is_any_of_them() -> None:
+    movable = Type("movable")
+    cup, jug, robot = Type("cup", (), movable), Type("jug", (), movable), Type("robot")
+    vessel = either((cup, jug))
+    assert vessel.name == "(either cup jug)"
+    assert cup.is_a(vessel)
+    assert Type("mug", (), cup).is_a(vessel)
+    assert not robot.is_a(vessel)
+    assert not movable.is_a(vessel)
+    assert vessel.is_a(movable)
+    assert vessel.is_a(OBJECT)
+    assert vessel.is_a(either((robot, jug, cup)))
+    assert not vessel.is_a(cup)
+    assert not either((cup, robot)).is_a(movable)
+    assert not OBJECT.is_a(vessel)
+    assert vessel != either((cup, robot))
+    assert either((cup, cup)) == cup
+    assert either((cup, OBJECT)) == OBJECT
+
+
+def test_long_lines_of_ancestors_are_compared_without_recursion() -> None:
+    def line(name: str) -> Type:
+        kind = Type(name)
+        for number in range(5000):
+            kind = Type(f"t{number}", (), kind)
+        return kind
+
+    assert line("a") == line("a")
+    assert line("a") != line("b")
+    assert line("a").is_a(Type("a"))
 
 
 def test_types_differ_by_features_and_parent() -> None:
