@@ -14,7 +14,7 @@ help:
 	@echo "make check               the gates without the tests"
 	@echo "make pddl-out            make pddl_out/ again"
 	@echo "make benchmark-environments  the README's figures: four environments, three seeds; half an hour"
-	@echo "make benchmark-planners  astar and pyperplan on the problems in pddl_out and ../shared"
+	@echo "make benchmark-planners  every planner on the problems in pddl_out and ../shared; makes docs/planners.md"
 
 .venv/bin/pip:
 	$(PYTHON) -m venv .venv
@@ -66,4 +66,6 @@ benchmark-environments: .venv/.user
 	$(BIN)/python benchmarks/first_plan.py stick_button:test_buttons=10 coffee:test_cups=10 doors:rows=10:columns=10
 
 benchmark-planners: .venv/.dev
-	$(BIN)/python benchmarks/planners.py
+	$(PIP) -e '.[planners]'
+	$(BIN)/python benchmarks/planners.py --out docs/planners.md
+	$(BIN)/python benchmarks/first_plan.py pddl_out/cover --repeat 20 --allowed 0.005

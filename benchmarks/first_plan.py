@@ -4,13 +4,17 @@ Takes environments, whose first evaluation tasks it plans for with the oracle's 
 files, or folders with all that is below them: ``doors:rows=10:columns=10 pddl_out``. A PDDL problem's domain
 file is the one of its folder that fits its name best: ``domain.pddl``, or ``domain01.pddl`` for
 ``task01.pddl``, or ``doors-domain.pddl`` for ``doors-100.pddl``.
+
+With --repeat, PDDL problems are read, grounded and planned for so many times in this process, and the median
+milliseconds of all that are printed instead.
 """
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain
 from pathlib import Path
+from statistics import median
 from time import monotonic
 
 import numpy as np
@@ -77,6 +81,30 @@ def first_plan(
     return lengths, first if lengths else total, total, record, nodes or record.nodes_created
 
 
+def repeated(given: Sequence[str], name: str, times: int, allowed: float | None) -> None:
+    """Print each PDDL problem's median milliseconds from its files to the first plan; exit."""
+    planner = planners.load(name)
+    medians = []
+    for path in chain.from_iterable(
+        Path(g).rglob("*.pddl") if Path(g).is_dir() else [Path(g)] for g in given
+    ):
+        domain_file = None if "domain" in path.name else domain_of(path)
+        if domain_file is None:
+            continue
+        taken = []
+        for _ in range(times + 1):
+            start = monotonic()
+            domain = read_domain(domain_file)
+            problem = ground(domain, read_problem(path, domain))
+            if isinstance(problem, GroundProblem):
+                next(planner.plans(problem, np.random.default_rng(0), Limit(10**9), SearchRecord()), None)
+            taken.append(1000 * (monotonic() - start))
+        medians.append(median(taken[1:]))  # the first one imports things
+        print(f"{path.parent.name}/{path.stem:20}{medians[-1]:9.2f} ms", flush=True)
+    print(f"{len(medians)} problems: median {median(medians):.2f} ms, longest {max(medians):.2f} ms")
+    sys.exit(1 if allowed is not None and median(medians) > 1000 * allowed else 0)
+
+
 def main() -> None:
     """Measure and print one row per problem; exit with 1 where a first plan took longer than allowed."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -86,7 +114,10 @@ def main() -> None:
     parser.add_argument("--plans", type=int, default=1, help="how many plans to take (lengths are printed)")
     parser.add_argument("--seconds", type=float, default=30, help="when to give up on a problem")
     parser.add_argument("--allowed", type=float, help="most seconds for grounding and the first plan")
+    parser.add_argument("--repeat", type=int, help="read, ground and plan so many times; PDDL files only")
     arguments = parser.parse_args()
+    if arguments.repeat:
+        repeated(arguments.what, arguments.planner, arguments.repeat, arguments.allowed)
     slow = 0
     print(f"{'problem':34}{'ground':>8}{'s':>8}{'steps':>7}{'nodes':>9}{'first s':>9}{'all s':>8}")
     tasks = chain.from_iterable(

@@ -1,119 +1,398 @@
-"""astar and pyperplan on real PDDL: shortest length, seconds, and the first plans checked independently.
+"""Every installed planner on real PDDL: seconds to the first plan, lengths, and plans checked independently.
 
-Every problem of pddl_out/ and, where they are there, of ../shared/pddl and ../shared/pddl-bench. For each,
-both planners get the time limit; astar goes on to 100 plans, which must be in order of length, distinct, and
-valid for kairos (and for our own validator). Prints one row per problem; exits with 1 on any disagreement.
+Problems: pddl_out/ and, where they are there, ../shared/pddl-bench and ../shared/pddl (competition files, for
+astar and pyperplan only, unless --all). Each planner gives up to --plans plans, astar 100. Planners that
+promise plans in order of length must agree on the shortest length and keep the order; no plan may come
+twice; each plan must be valid for us, for kairos and (as many as --validation seconds a problem allow) for
+unified-planning. Prints a line for each planner and folder, then a summary; --out writes it as Markdown.
+Exits with 1 on any fault.
 """
 
 import argparse
+import os
+import platform
+import re
 import sys
 import warnings
-from collections.abc import Iterator
-from itertools import islice
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
+from statistics import median
 from time import monotonic
 
-import kairos
-import numpy as np
-
 from symbolic import planners
+from symbolic.checkers import Inputs, PlanSource, Source, unified_planning
 from symbolic.errors import InputError
 from symbolic.grounding import GroundProblem, Unreachable, ground
+from symbolic.pddl.plan_file import parse_plan
 from symbolic.pddl.read import read_domain, read_problem
-from symbolic.planners import AbstractPlan, Limit, SearchRecord
+from symbolic.planners import About, Limit, Planner
+from symbolic.planners._comparison import first_plans
 from symbolic.validate import first_fault
 
 ROOT = Path(__file__).parents[1]
+SHARED = ROOT.parent / "shared"
+PATIENT = ("astar", "pyperplan")  # these two get competition files too, and more time
+UNMEASURED = ("command",)  # a family without a program
+Text = tuple[str, ...]  # a plan, a step each
 
 
-def problems() -> Iterator[tuple[Path, Path]]:
-    """Yield domain and problem files."""
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A problem and its domain."""
+
+    folder: str
+    domain: Path
+    problem: Path
+
+    @property
+    def label(self) -> str:
+        """A short name."""
+        return f"{self.folder}/{self.problem.stem}"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What a planner did with a problem."""
+
+    planner: str
+    case: Case
+    first: float | None  # seconds to the first plan
+    plans: tuple[Text, ...] = ()
+    ended: str = ""
+    failed: bool = False
+
+    @property
+    def lengths(self) -> list[int]:
+        """Of the plans, as they came."""
+        return [len(plan) for plan in self.plans]
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """The problems of a folder for one planner, which is loaded once."""
+
+    planner: str
+    cases: tuple[Case, ...]
+    plans: int
+    seconds: float
+
+
+# ----------------------------------------------------------------------------------------- problems
+
+
+def cases() -> Iterator[Case]:
+    """Yield all problems with their domains."""
     for path in sorted(ROOT.glob("pddl_out/*/p*.pddl")):
-        yield path.parent / "domain.pddl", path
-    shared = ROOT.parent / "shared"
-    for path in sorted(shared.glob("pddl-bench/*.pddl")):
-        if "domain" not in path.name:
-            for domain in shared.glob("pddl-bench/*-domain.pddl"):
-                if domain.name.split("-")[0] == path.name.split("-")[0]:
-                    yield domain, path
-    for path in sorted(shared.glob("pddl/*/task*.pddl")):
-        own = path.parent / path.name.replace("task", "domain")
-        yield (own if own.exists() else path.parent / "domain.pddl"), path
+        yield Case(path.parent.name, path.parent / "domain.pddl", path)
+    domains = {
+        _word(r"\(define\s*\(domain\s+([^\s)]+)", path): path
+        for path in sorted((SHARED / "pddl-bench").glob("*-domain.pddl"))
+    }
+    for path in sorted((SHARED / "pddl-bench").glob("*.pddl")):
+        domain = domains.get(_word(r"\(:domain\s+([^\s)]+)", path))
+        if domain is not None:
+            yield Case("pddl-bench", domain, path)
+    for path in sorted((SHARED / "pddl").glob("*/task*.pddl")):
+        own = path.with_name(path.name.replace("task", "domain"))
+        yield Case(f"ipc-{path.parent.name}", own if own.exists() else path.parent / "domain.pddl", path)
 
 
-def run(
-    name: str, problem: GroundProblem, count: int, seconds: float
-) -> tuple[list[AbstractPlan], float, str]:
-    """Return the first plans, the seconds to the first one, and what stopped the search."""
-    start, record = monotonic(), SearchRecord()
-    stream = planners.load(name).plans(
-        problem, np.random.default_rng(0), Limit(10**9, start + seconds), record
+def _word(pattern: str, path: Path) -> str:
+    found = re.search(pattern, path.read_text(encoding="utf-8"), re.IGNORECASE)
+    return found[1].lower() if found else ""
+
+
+def read(case: Case) -> GroundProblem | Unreachable:
+    """Read and ground a problem."""
+    domain = read_domain(case.domain)
+    return ground(domain, read_problem(case.problem, domain))
+
+
+# ---------------------------------------------------------------------------------------- measuring
+
+
+def run_chunk(chunk: Chunk) -> list[Row]:
+    """Let one planner plan for some problems; readers' warnings are of no interest here."""
+    warnings.simplefilter("ignore")
+    planner = planners.load(chunk.planner)
+    found = []
+    for case in chunk.cases:
+        problem = read(case)
+        if isinstance(problem, Unreachable):
+            found.append(Row(chunk.planner, case, None, (), "no plan: shown by grounding"))
+        else:
+            found.append(run(planner, chunk, case, problem))
+    return found
+
+
+def run(planner: Planner, chunk: Chunk, case: Case, problem: GroundProblem) -> Row:
+    """Take a planner's first plans."""
+    limit = Limit(10**9, monotonic() + chunk.seconds)
+    found = first_plans(planner, problem, chunk.plans, 0, limit)
+    plans = tuple(
+        tuple(_call(s.operator.name, (o.name for o in s.objects)) for s in plan.steps) for plan in found.plans
     )
-    found, first = [], 0.0
-    for plan in islice(stream, count):
-        first = first or monotonic() - start
-        found.append(plan)
-    return found, first, record.stopped_by
+    ended = "" if len(plans) == chunk.plans else found.ended or "no others"
+    return Row(chunk.planner, case, found.first_seconds, plans, ended, failed=bool(found.record.fault))
 
 
-def faults(plans: list[AbstractPlan], problem: GroundProblem, files: tuple[Path, Path]) -> Iterator[str]:
-    """Yield what is wrong with a planner's plans."""
-    lengths = [len(plan.steps) for plan in plans]
-    if lengths != sorted(lengths):
-        yield "not in order of length"
-    if len({plan.steps for plan in plans}) < len(plans):
-        yield "a plan twice"
-    domain_file, problem_file = files
-    parsed = kairos.load_problem(problem_file, kairos.load_domain(domain_file))
+def _call(name: str, objects: Iterable[str]) -> str:
+    return f"({' '.join([name, *objects])})"
+
+
+# ----------------------------------------------------------------------------------------- checking
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """How many of a problem's distinct plans were checked, and what was wrong with which."""
+
+    kairos: int
+    unified_planning: int
+    faults: dict[Text, str]
+
+
+def check(case: Case, plans: Sequence[Text], seconds: float) -> Checked:
+    """Validate distinct plans for a problem with ours, kairos and, for so many seconds, unified-planning."""
+    import kairos
+
+    warnings.simplefilter("ignore")
+    problem = read(case)
+    assert isinstance(problem, GroundProblem)
+    faults: dict[Text, str] = {}
+    by_call = {_call(o.operator.name, (b.name for b in o.objects)): o for o in problem.operators}
+    parsed = kairos.load_problem(case.problem, kairos.load_domain(case.domain))
     for plan in plans:
-        fault = first_fault(problem.problem, plan.steps)
-        text = "\n".join(_call(plan)) + "\n"
-        if fault or not kairos.validate(parsed, kairos.parse_plan(text)).valid:
-            yield f"invalid plan: {fault or text}"
-            return
+        if fault := first_fault(problem.problem, [by_call[call] for call in plan]):
+            faults[plan] = f"for us: {fault}"
+        elif not kairos.validate(parsed, kairos.parse_plan("".join(f"{call}\n" for call in plan))).valid:
+            faults[plan] = "for kairos"
+    texts = [Source(str(path), path.read_text(encoding="utf-8")) for path in (case.domain, case.problem)]
+    sources = tuple(PlanSource("plan", tuple(parse_plan("\n".join(plan)))) for plan in plans)
+    verdicts = unified_planning.verdicts(Inputs(texts[0], texts[1], sources))
+    read_well = all(next(verdicts).level == "ok" for _ in texts)
+    until, count = monotonic() + seconds, 0
+    for plan, verdict in zip(plans, verdicts if read_well else (), strict=False):
+        if verdict.level == "fault":
+            faults[plan] = f"for unified-planning: {verdict.text}"
+        count += verdict.level in ("ok", "fault")
+        if monotonic() > until:
+            break
+    return Checked(len(plans), count, faults)
 
 
-def _call(plan: AbstractPlan) -> list[str]:
-    return [f"({' '.join([s.operator.name, *(o.name for o in s.objects)])})" for s in plan.steps]
+def faults_of(row: Row, about: About, checked: Checked | None, shortest: int | None) -> Iterator[str]:
+    """Yield what is wrong with what a planner did."""
+    if row.failed:
+        yield row.ended
+    if len(set(row.plans)) < len(row.plans):
+        yield "a plan twice"
+    if about.optimal and row.lengths != sorted(row.lengths):
+        yield "not in order of length"
+    if row.plans and shortest is not None:
+        if about.optimal and row.lengths[0] != shortest:
+            yield f"first plan has {row.lengths[0]} steps, others' {shortest}"
+        elif row.lengths[0] < shortest:
+            yield f"{row.lengths[0]} steps are fewer than the optimal planners' {shortest}"
+    if row.ended == "no others" and not row.plans and shortest is not None:
+        yield "says that there is no plan"
+    if checked is not None:
+        yield from (
+            f"invalid plan {checked.faults[p]}: {' '.join(p)}" for p in row.plans if p in checked.faults
+        )
+
+
+# ---------------------------------------------------------------------------------------- reporting
+
+
+def summary(rows: Sequence[Row], abouts: dict[str, About], faults: dict[Row, list[str]]) -> list[list[str]]:
+    """Return the cells of a table: a line for each planner."""
+    lines = [
+        ["planner", "version", "optimal", "solved", "of", "first plan s", "longest s", "plans", "faults"]
+    ]
+    for name, about in abouts.items():
+        own = [row for row in rows if row.planner == name and not row.ended.startswith("no plan:")]
+        seconds = sorted(row.first for row in own if row.first is not None)
+        middle, longest = (f"{median(seconds):.3f}", f"{seconds[-1]:.2f}") if seconds else ("-", "-")
+        lines.append([name, about.version or "", "yes" if about.optimal else "-", str(len(seconds))])
+        lines[-1] += [str(len(own)), middle, longest, str(sum(len(row.plans) for row in own))]
+        lines[-1].append(str(sum(bool(faults[row]) for row in own)))
+    return lines
+
+
+def matrix(rows: Sequence[Row], names: Sequence[str]) -> list[list[str]]:
+    """Return the cells of a table: planners by folders, each with problems solved and median seconds."""
+    folders = list(dict.fromkeys(row.case.folder for row in rows))
+    lines = [["folder", *names]]
+    for folder in folders:
+        lines.append([folder])
+        for name in names:
+            own = [row for row in rows if row.planner == name and row.case.folder == folder]
+            own = [row for row in own if not row.ended.startswith("no plan:")]
+            seconds = [row.first for row in own if row.first is not None]
+            time = f", {median(seconds):.2f} s" if seconds else ""
+            lines[-1].append(f"{len(seconds)}/{len(own)}{time}" if own else "-")
+    return lines
+
+
+def markdown(lines: Sequence[Sequence[str]]) -> str:
+    """Return a Markdown table."""
+    rule = ["---", *["---:"] * (len(lines[0]) - 1)]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in (lines[0], rule, *lines[1:]))
+
+
+def plain(lines: Sequence[Sequence[str]]) -> str:
+    """Return a table for the terminal."""
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    return "\n".join(
+        "  ".join(
+            cell.rjust(width) if i else cell.ljust(width)
+            for i, (cell, width) in enumerate(zip(line, widths, strict=True))
+        )
+        for line in lines
+    )
+
+
+def document(arguments: argparse.Namespace, tables: Sequence[Sequence[Sequence[str]]], notes: str) -> str:
+    """Return the page that --out writes."""
+    command = " ".join(["python benchmarks/planners.py", *sys.argv[1:]])
+    first, *others = tables
+    turned = [
+        markdown([list(line) for line in zip(*table, strict=True)] if len(table[0]) > len(table) else table)
+        for table in others
+    ]
+    return (
+        "# Planners compared\n\n"
+        f"Made by `{command}` on {_machine()}, {arguments.workers} problems at a time. Seconds are those "
+        "to the first plan, from the grounded problem on, writing PDDL and starting the planner included; "
+        "*solved* means within the time limit. *faults*: a plan that a validator refuses, a plan twice, a "
+        "wrong order, another shortest length than the other optimal planners, or a planner that failed.\n\n"
+        f"{markdown(first)}\n{notes}\n\n"
+        "Problems solved and median seconds to the first plan:\n\n" + "\n".join(turned)
+    )
+
+
+def _machine() -> str:
+    model = next(
+        (
+            line.partition(":")[2].strip()
+            for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+            if line.startswith("model name")
+        ),
+        platform.processor() or platform.machine(),
+    )
+    return f"{os.cpu_count()} cores of {model}, Python {platform.python_version()}"
+
+
+# --------------------------------------------------------------------------------------------- main
+
+
+def parse() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--planner", action="append", help="only this one, with options (may be repeated)")
+    parser.add_argument("--match", default="", help="only problems with this in their name, as in cover/p0")
+    parser.add_argument("--all", action="store_true", help="competition files for every planner")
+    parser.add_argument("--seconds", type=float, help="for each problem (default: 10; astar, pyperplan 30)")
+    parser.add_argument("--plans", type=int, help="plans of each planner (default: 10, of astar 100)")
+    parser.add_argument("--validation", type=float, default=5, help="unified-planning's seconds a problem")
+    parser.add_argument("--workers", type=int, default=os.cpu_count())
+    parser.add_argument("--out", type=Path, help="write the tables as Markdown")
+    return parser.parse_args()
+
+
+def chunks(arguments: argparse.Namespace, names: Sequence[str]) -> Iterator[Chunk]:
+    """Yield what is to be done, a folder and planner at a time."""
+    folders: dict[str, list[Case]] = defaultdict(list)
+    for case in cases():
+        if arguments.match in case.label:
+            folders[case.folder].append(case)
+    for name in names:
+        patient = name.split(":")[0] in PATIENT
+        plans = arguments.plans or (100 if name.startswith("astar") else 10)
+        for folder, found in folders.items():
+            if patient or arguments.all or not folder.startswith("ipc-"):
+                yield Chunk(name, tuple(found), plans, arguments.seconds or (30 if patient else 10))
+
+
+def installed(arguments: argparse.Namespace) -> dict[str, About]:
+    """Return the planners to run, with what each promises; options may change that."""
+    known = {about.name: about for about in planners.about()}
+    if not arguments.planner:
+        return {n: a for n, a in known.items() if a.version is not None and n not in UNMEASURED}
+    found = {}
+    for name in arguments.planner:
+        loaded = planners.load(name)
+        plain_name = name if name in known else name.split(":")[0]
+        about = getattr(loaded, "about", None) or known.get(plain_name)
+        found[name] = about or About(name, "one plan", licence="?")
+    return found
 
 
 def main() -> None:
-    """Compare and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=30)
-    parser.add_argument("--plans", type=int, default=100)
-    arguments = parser.parse_args()
-    warnings.simplefilter("ignore")
-    compared = wrong = 0
-    print(f"{'problem':28}{'ground':>8}{'astar':>7}{'s':>8}{'plans':>7}{'pyperplan':>11}{'s':>8}")
-    for domain_path, path in problems():
-        label = f"{path.parent.name}/{path.stem}"
-        try:
-            domain = read_domain(domain_path)
-            problem = ground(domain, read_problem(path, domain))
-        except InputError as error:
-            print(f"{label:28}{str(error).split(':', 3)[-1].strip()}")
-            continue
-        if isinstance(problem, Unreachable):
-            print(f"{label:28}{problem}")
-            continue
-        plans, first, stopped = run("astar", problem, arguments.plans, arguments.seconds)
-        others, other_first, other_stopped = run("pyperplan", problem, 1, arguments.seconds)
-        remarks = list(faults(plans, problem, (domain_path, path)))
-        remarks += list(faults(others, problem, (domain_path, path)))
-        lengths = [str(len(found[0].steps)) if found else "-" for found in (plans, others)]
-        if plans and others:
-            compared += 1
-            if lengths[0] != lengths[1]:
-                remarks.append("lengths differ")
-        wrong += bool(remarks)
-        print(
-            f"{label:28}{len(problem.operators):8}{lengths[0]:>7}{first:8.2f}{len(plans):7}"
-            f"{lengths[1]:>11}{other_first:8.2f}  {stopped or other_stopped} {'; '.join(remarks)}",
-            flush=True,
-        )
-    print(f"{compared} problems solved by both, {wrong} with a fault")
-    sys.exit(1 if wrong else 0)
+    """Run, check, print."""
+    arguments = parse()
+    try:
+        abouts = installed(arguments)
+    except InputError as error:
+        sys.exit(f"error: {error}")
+    rows: list[Row] = []
+    with ProcessPoolExecutor(arguments.workers, get_context("spawn")) as pool:
+        for found in pool.map(run_chunk, chunks(arguments, list(abouts))):
+            rows += found
+            print(
+                plain([[found[0].planner.ljust(20), *(f"{r.lengths[:1]} {r.first or 0:.2f}" for r in found)]])
+            )
+            sys.stdout.flush()
+        plans: dict[Case, dict[Text, None]] = defaultdict(dict)
+        for row in rows:
+            plans[row.case] |= dict.fromkeys(row.plans)
+        waiting = {
+            case: pool.submit(check, case, list(found), arguments.validation)
+            for case, found in plans.items()
+            if found
+        }
+        checked = {case: future.result() for case, future in waiting.items()}
+    report(arguments, abouts, rows, checked)
+
+
+def report(
+    arguments: argparse.Namespace,
+    abouts: dict[str, About],
+    rows: list[Row],
+    checked: dict[Case, Checked],
+) -> None:
+    """Print the tables and faults; exit."""
+    shortest: dict[Case, int] = {}
+    compared: dict[Case, int] = defaultdict(int)
+    for row in rows:
+        if row.plans and abouts[row.planner].optimal:
+            shortest[row.case] = min(row.lengths[0], shortest.get(row.case, row.lengths[0]))
+            compared[row.case] += 1
+    faults = {
+        row: list(faults_of(row, abouts[row.planner], checked.get(row.case), shortest.get(row.case)))
+        for row in rows
+    }
+    tables = [summary(rows, abouts, faults)]
+    own, ipc = ([r for r in rows if r.case.folder.startswith("ipc-") == flag] for flag in (False, True))
+    tables += [matrix(part, list(dict.fromkeys(r.planner for r in part))) for part in (own, ipc) if part]
+    notes = (
+        f"{sum(n > 1 for n in compared.values())} problems were solved by more than one optimal planner, "
+        f"{sum(len(c.faults) for c in checked.values())} plans are invalid. Checked by us and by kairos: "
+        f"{sum(c.kairos for c in checked.values())} different plans; by unified-planning: "
+        f"{sum(c.unified_planning for c in checked.values())}."
+    )
+    print("\n\n".join([*map(plain, tables), notes]))
+    bad = {row: texts for row, texts in faults.items() if texts}
+    for row, texts in bad.items():
+        print(f"FAULT {row.planner} {row.case.label}: {'; '.join(texts)}")
+    if arguments.out is not None:
+        arguments.out.write_text(document(arguments, tables, notes), encoding="utf-8")
+    sys.exit(1 if bad else 0)
 
 
 if __name__ == "__main__":

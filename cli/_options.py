@@ -17,7 +17,7 @@ from symbolic.environment import Budget, Environment
 from symbolic.skills import Skill
 
 MAX_SEED = 2**31 - 1
-NO_PLAN, NOT_REFINED = 11, 12  # exit codes
+NO_PLAN, NOT_REFINED, PLANNER_FAILED = 11, 12, 32  # exit codes; as in Fast Downward where it has them
 
 planner_option = click.option(
     "--planner", default="astar", show_default=True, help="See 'bpns planners'; options after colons."

@@ -44,9 +44,9 @@ class _Commands(click.Group):
 def program() -> None:
     """Learn skills from demonstrations, export them as PDDL, and plan with any planner.
 
-    Exit codes: 0 done, 1 differences or faults found (replay, envs check), 2 wrong usage, 11 no plan
-    exists, 12 plans exist but none was refined within the limits, 36 bad input, 37 unsupported PDDL,
-    70 an error in the code, mostly of an environment of one's own.
+    Exit codes: 0 done, 1 differences or faults found (replay, envs check, validate, diff), 2 wrong usage,
+    11 no plan exists, 12 plans exist but none was refined within the limits, 32 the planner failed, 36 bad
+    input, 37 unsupported PDDL, 70 an error in the code, mostly of an environment of one's own.
     """
 
 

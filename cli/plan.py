@@ -3,18 +3,18 @@
 import json
 import sys
 import time
-from collections.abc import Iterator
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
+from cli._abstract_plans import MAX_NODES, plan_problem, read_any_domain
+from cli._comparison import planner_names, print_comparison
 from cli._options import (
     MAX_SEED,
     NO_PLAN,
     NOT_REFINED,
+    PLANNER_FAILED,
     Subject,
     budget_of,
     environment_option,
@@ -30,17 +30,20 @@ from cli._options import (
 from envs._animation import animation_format, write_animation
 from symbolic import planners
 from symbolic.bilevel import NoPlan, Plan, solve
-from symbolic.environment import Budget, abstract, domain_of, sample_tasks
+from symbolic.environment import abstract, domain_of, problem_of, sample_tasks
 from symbolic.execution import Execution, execute
 from symbolic.files import check_output
-from symbolic.grounding import Unreachable, ground
-from symbolic.pddl.read import read_domain, read_problem
+from symbolic.grounding import GroundProblem, Unreachable, ground
+from symbolic.pddl.read import read_problem
 from symbolic.pddl.write import model_names
-from symbolic.planners import AbstractPlan, Limit, SearchRecord
+from symbolic.planners import Planner
+from symbolic.planners._loopless import Loopless
 from symbolic.refinement import DeadEnd
-from symbolic.structs import Domain, GroundAtom, sort_atoms
+from symbolic.state import Task
+from symbolic.structs import Domain, GroundAtom, Problem, sort_atoms
 
-MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
+COMPARED_PLANS = 10
+EXIT_CODES = {"unreachable": NO_PLAN, "no plan": NO_PLAN, "planner failed": PLANNER_FAILED}
 
 
 @click.command()
@@ -51,6 +54,13 @@ MAX_NODES = 10_000_000  # for a PDDL problem: memory ends about there
 @click.option("--problem", type=click.Path(path_type=Path), help="A PDDL problem: abstract plans only.")
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), help="Of tasks and planner (default: the model's).")
 @planner_option
+@click.option(
+    "--compare",
+    multiple=True,
+    metavar="NAMES",
+    help="A table of several planners, with commas between (or 'all'), instead of --planner.",
+)
+@click.option("--no-loops", is_flag=True, help="Only abstract plans that visit no abstract state twice.")
 @plans_option
 @samples_option
 @per_plan_option
@@ -65,6 +75,8 @@ def command(
     problem: Path | None,
     seed: int | None,
     planner: str,
+    compare: tuple[str, ...],
+    no_loops: bool,
     plans: int | None,
     samples: int | None,
     per_plan: int | None,
@@ -75,102 +87,83 @@ def command(
     """Plan with MODEL (a model folder, or with --problem also a domain.pddl).
 
     With --task the plan is refined in the simulator and carried out. With --problem up to --plans abstract
-    plans (default 1) are printed. Exits with 11 if no plan exists, 12 if none was refined within the limits.
+    plans (default 1) are printed, as a plan file. --compare prints seconds to the first plan and to --plans
+    plans (default 10) of several planners. Exits with 11 if no plan exists, 12 if none was refined within the
+    limits, 32 if the planner failed.
     """
-    if problem is not None:
-        if task is not None or show is not None or samples is not None or per_plan is not None:
-            raise click.UsageError(
-                "--task, --samples, --samples-per-plan and --show need a task: leave --problem out"
-            )
-        domain = _domain(model, oracle, environment)
-        _plan_problem(domain, problem, planner, plans or 1, seed or 0, timeout, as_json)
-        return
-    if model is not None and model.suffix == ".pddl":
+    if problem is not None and (task is not None or show is not None or samples or per_plan):
+        raise click.UsageError(
+            "--task, --samples, --samples-per-plan and --show need a task: leave --problem out"
+        )
+    if problem is None and model is not None and model.suffix == ".pddl":
         raise click.UsageError("a domain file has no skills: give --problem too, or a model folder")
+    if compare and (show is not None or no_loops):
+        raise click.UsageError("--compare goes with neither --show nor --no-loops")
+    if problem is not None:
+        domain = read_any_domain(model, oracle, environment)
+        if compare:
+            grounded = _grounded(domain, read_problem(problem, domain, model_names(domain)))
+            names = planner_names(compare)
+            print_comparison(
+                names, grounded, plans or COMPARED_PLANS, seed or 0, MAX_NODES, timeout, None, as_json
+            )
+        else:
+            plan_problem(
+                domain, problem, _planner(planner, no_loops), plans or 1, seed or 0, timeout, as_json
+            )
+        return
     subject = load_subject(model, oracle, environment)
-    budget = budget_of(subject.environment, plans, samples, per_plan)
-    _plan_task(subject, task or 0, seed, planner, budget, timeout, show, as_json)
-
-
-# ----------------------------------------------------------------------------------- PDDL problems
-
-
-def _domain(model: Path | None, oracle: str | None, environment: str | None) -> Domain:
-    if model is not None and oracle is None and not model.is_dir():
-        if environment is not None:
-            raise click.UsageError("--environment goes with a model folder, not with a domain file")
-        return read_domain(model)
-    subject = load_subject(model, oracle, environment)
-    return domain_of(subject.environment, (skill.operator for skill in subject.skills.values()))
-
-
-def _plan_problem(
-    domain: Domain, path: Path, planner: str, plans: int, seed: int, timeout: float | None, as_json: bool
-) -> None:
-    """Print abstract plans in the format of the planning competitions."""
-    problem = read_problem(path, domain, model_names(domain))
-    chosen = planners.load(planner)
-    limit = Limit(MAX_NODES, None if timeout is None else time.monotonic() + timeout)
-    record = SearchRecord()
-    grounded = ground(domain, problem)
-    stream: Iterator[AbstractPlan] = iter(())
-    reason = "no plan exists: the whole state space was searched"
-    if isinstance(grounded, Unreachable):
-        reason = str(grounded)
-    else:
-        stream = chosen.plans(grounded, np.random.default_rng(seed), limit, record)
-    found = [[step.call for step in plan.steps] for plan in islice(stream, plans)]
-    if record.stopped_by:
-        reason = f"stopped by the {record.stopped_by}"
-    if as_json:
-        ended = reason if len(found) < plans else ""
-        click.echo(json.dumps({"planner": chosen.name, "plans": found, "ended": ended}, indent=2))
-    else:
-        for number, steps in enumerate(found, 1):
-            click.echo(f"; plan {number}, {len(steps)} steps, {chosen.name}")
-            for step in steps:
-                click.echo(step)
-        if record.stopped_by or not found:
-            click.echo(reason)
-    if not found:
-        sys.exit(NOT_REFINED if record.stopped_by else NO_PLAN)
-
-
-# ------------------------------------------------------------------------------------------- tasks
-
-
-def _plan_task(
-    subject: Subject,
-    number: int,
-    seed: int | None,
-    planner: str,
-    budget: Budget,
-    timeout: float | None,
-    show: Path | None,
-    as_json: bool,
-) -> None:
+    world = subject.environment
+    budget = budget_of(world, plans, samples, per_plan)
+    number, seed = task or 0, subject.seed if seed is None else seed
     if show is not None:
         animation_format(show)
         check_output(show, overwrite=True)
-    environment = subject.environment
-    seed = subject.seed if seed is None else seed
-    task = sample_tasks(environment, "test", number + 1, seed)[number]
+    drawn = sample_tasks(world, "test", number + 1, seed)[number]
+    if compare:
+        domain = domain_of(world, (skill.operator for skill in subject.skills.values()))
+        print_comparison(
+            planner_names(compare),
+            _grounded(domain, problem_of(world, drawn)),
+            plans or COMPARED_PLANS,
+            seed + number + 1,
+            budget.nodes,
+            timeout,
+            (subject, drawn, budget_of(world, None, samples, per_plan)),
+            as_json,
+        )
+        return
     deadline = None if timeout is None else time.monotonic() + timeout
     outcome = solve(
-        environment,
-        task,
-        subject.skills,
-        planners.load(planner),
-        budget,
-        seed + number + 1,
-        deadline,
+        world, drawn, subject.skills, _planner(planner, no_loops), budget, seed + number + 1, deadline
     )
-    execution = execute(environment, task, outcome) if isinstance(outcome, Plan) else None
+    _report(outcome, subject, drawn, f"task {number} of seed {seed} in {subject.asked}", show, as_json)
+
+
+def _planner(name: str, no_loops: bool) -> Planner:
+    planner = planners.load(name)
+    return Loopless(planner) if no_loops else planner
+
+
+def _grounded(domain: Domain, problem: Problem) -> GroundProblem:
+    """Ground a problem; where there is no plan, say so and exit."""
+    grounded = ground(domain, problem)
+    if isinstance(grounded, Unreachable):
+        click.echo(str(grounded))
+        sys.exit(NO_PLAN)
+    return grounded
+
+
+def _report(
+    outcome: Plan | NoPlan, subject: Subject, task: Task, title: str, show: Path | None, as_json: bool
+) -> None:
+    """Carry a plan out and print what came of it; exit with it too."""
+    execution = execute(subject.environment, task, outcome) if isinstance(outcome, Plan) else None
     goal = ", ".join(map(str, sort_atoms(task.goal)))
     if as_json:
         click.echo(json.dumps(_as_json(outcome, execution, goal), indent=2))
     else:
-        click.echo(f"task {number} of seed {seed} in {subject.asked}: {goal}")
+        click.echo(f"{title}: {goal}")
         _print_outcome(outcome, execution)
     if show is not None and isinstance(outcome, Plan) and execution is not None:
         _show(show, subject, outcome, execution, task.goal)
@@ -178,7 +171,7 @@ def _plan_task(
     if show is not None and isinstance(outcome, NoPlan):
         click.echo(f"no animation, as there is no plan: {show} is not written", err=True)
     if isinstance(outcome, NoPlan):
-        sys.exit(NO_PLAN if outcome.reason in ("unreachable", "no plan") else NOT_REFINED)
+        sys.exit(EXIT_CODES.get(outcome.reason, NOT_REFINED))
     if execution is not None and not execution.success:
         sys.exit(NOT_REFINED)
 
@@ -195,6 +188,8 @@ def _print_outcome(outcome: Plan | NoPlan, execution: Execution | None) -> None:
     executed = execution is not None and execution.success
     fault = f" ({execution.fault})" if execution is not None and execution.fault else ""
     click.echo(f"executed: {_yes(executed)}{fault}")
+    for remark in effort.remarks:
+        click.echo(f"planner:  {remark}")
     parts = ", ".join(f"{part} {seconds * 1000:.1f} ms" for part, seconds in effort.seconds.items())
     click.echo(f"nodes:    {effort.nodes_created} created, {effort.nodes_expanded} expanded; {parts}")
     worst = _worst(outcome)
@@ -228,6 +223,7 @@ def _as_json(outcome: Plan | NoPlan, execution: Execution | None, goal: str) -> 
         "abstract_plans": effort.abstract_plans,
         "samples": effort.samples,
         "seconds": dict(effort.seconds),
+        "remarks": list(effort.remarks),
         "dead_ends": [
             {"plan": e.plan, "step": e.step, "operator": e.operator, "reason": e.reason, "count": n}
             for e, n in sorted(outcome.dead_ends.items())

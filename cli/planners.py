@@ -1,21 +1,73 @@
-"""List the planners, and what each can be asked for."""
+"""List the planners: what is installed, what each can do, how to install the rest."""
+
+import json
+from dataclasses import asdict
 
 import click
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
 
+from cli._options import json_option
 from symbolic import planners
-from symbolic.errors import MissingPackage
 from symbolic.heuristics import HEURISTICS
+from symbolic.planners import About
+
+WIDTH = 132
 
 
 @click.command()
-def command() -> None:
-    """List the planners, and what each can be asked for."""
-    for name in planners.names():
-        try:
-            default = planners.load(name).name
-        except MissingPackage as error:
-            click.echo(f"{name:10}  not installed: {error}")
-            continue
-        click.echo(f"{name:10}  default {default}")
-    click.echo(f"astar:HEURISTIC, one of {', '.join(HEURISTICS)}; lmcut keeps plans in order of length")
-    click.echo("pyperplan:SEARCH:HEURISTIC, see 'pyperplan --help'; astar:lmcut gives a shortest plan first")
+@json_option
+def command(as_json: bool) -> None:
+    """List the planners: what is installed, what each can do, how to install the rest."""
+    listed = planners.about()
+    if as_json:
+        rows = [{**asdict(about), "version": about.version} for about in listed]
+        click.echo(json.dumps(rows, indent=2))
+        return
+    table = Table(box=SIMPLE_HEAD)
+    for column in (
+        "planner",
+        "version",
+        "gives",
+        "optimal",
+        "proves",
+        "negation",
+        "costs",
+        "licence",
+        "note",
+    ):
+        table.add_column(column, no_wrap=column != "note")
+    for about in listed:
+        table.add_row(
+            about.name,
+            _version(about),
+            about.gives,
+            *map(_mark, (about.optimal, about.proves, about.negation, about.costs)),
+            about.licence,
+            about.note,
+        )
+    console = Console(width=max(WIDTH, Console().width), highlight=False, markup=False, emoji=False)
+    console.print(table)
+    click.echo("optimal: plans in order of length.  proves: says for certain when there is no plan.")
+    click.echo("negation: takes negative conditions itself; for the others they are compiled away.")
+    click.echo("costs: takes costs of operators that change while it plans.")
+    click.echo(
+        "Every planner goes on after its first plan: what it found is forbidden, and it is asked again."
+    )
+    click.echo(
+        f"astar:HEURISTIC is one of {', '.join(HEURISTICS)}; pyperplan:SEARCH:HEURISTIC as in its help."
+    )
+    extras = sorted({about.extra for about in listed if about.version is None})
+    if extras:
+        click.echo(f"To install what is missing: pip install 'bpns[{','.join(extras)}]'")
+
+
+def _version(about: About) -> str:
+    if not about.package:
+        return "built in"
+    return about.version or f"missing: bpns[{about.extra}]"
+
+
+def _mark(value: bool) -> str:
+    return "yes" if value else "-"

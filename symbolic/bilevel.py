@@ -9,13 +9,15 @@ from typing import Literal
 import numpy as np
 
 from symbolic.environment import Budget, Environment, domain_of, problem_of
-from symbolic.grounding import Unreachable, ground
+from symbolic.grounding import OutOfTime, Unreachable, ground
 from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord
 from symbolic.refinement import DeadEnd, RefinedStep, RefinementRecord, Refiner
 from symbolic.skills import GroundSkill, Skill
 from symbolic.state import Task
 
-Reason = Literal["unreachable", "no plan", "not refined", "node limit", "time limit", "sample limit"]
+Reason = Literal[
+    "unreachable", "no plan", "not refined", "node limit", "time limit", "sample limit", "planner failed"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +29,7 @@ class Effort:
     abstract_plans: int
     samples: int
     seconds: Mapping[str, float]  # by part: grounding, search, refinement
+    remarks: tuple[str, ...] = ()  # of the planner, for the user
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,14 +86,21 @@ def solve(
 
     def effort() -> Effort:
         return Effort(
-            search.nodes_created, search.nodes_expanded, tried, refining.samples, dict(watch.seconds)
+            search.nodes_created,
+            search.nodes_expanded,
+            tried,
+            refining.samples,
+            dict(watch.seconds),
+            tuple(search.remarks),
         )
 
     domain = domain_of(environment, (s.operator for s in skills.values()))
-    grounded = ground(domain, problem_of(environment, task))
+    grounded = ground(domain, problem_of(environment, task), deadline)
     watch.charge("grounding")
     if isinstance(grounded, Unreachable):
         return NoPlan("unreachable", str(grounded), effort(), Counter())
+    if isinstance(grounded, OutOfTime):
+        return NoPlan("time limit", "time limit reached while grounding", effort(), Counter())
     plans = planner.plans(grounded, np.random.default_rng(seed), limit, search)
     while tried < budget.abstract_plans and refining.samples < budget.samples and not limit.late:
         abstract = next(plans, None)
@@ -121,7 +131,9 @@ def _why(
     search: SearchRecord, refining: RefinementRecord, limit: Limit, budget: Budget, tried: int
 ) -> tuple[Reason, str]:
     """Name what ended a search without a plan."""
-    if limit.late:
+    if search.stopped_by == "planner failed":
+        return "planner failed", f"the planner failed after {tried} abstract plans: {search.fault}"
+    if limit.late or search.stopped_by == "time limit":
         return "time limit", f"time limit reached after {tried} abstract plans"
     if search.stopped_by == "node limit":
         return "node limit", f"node limit of {budget.nodes} reached after {tried} abstract plans"

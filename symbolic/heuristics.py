@@ -108,15 +108,17 @@ class LmCut:
             for effect in effects:
                 self.achievers[effect].append(number)
 
-    def inherit(self, state: int, parent: int, operator: int) -> float:
-        """Return a lower bound for a new state at hardly any cost; a later call of it starts from there.
-
-        The parent must have been called.
-        """
+    def inherit(self, state: int, parent: int, operator: int) -> None:
+        """Let a state that was never called begin with what its parent has; the parent must have some."""
         known = self.landmarks[parent]
-        kept = tuple(landmark for landmark in known if operator not in landmark)
-        self.landmarks[state] = known if len(kept) == len(known) else kept
-        return len(kept)
+        if state not in self.landmarks:
+            kept = tuple(landmark for landmark in known if operator not in landmark)
+            self.landmarks[state] = known if len(kept) == len(known) else kept
+
+    def known(self, state: int) -> tuple[int, frozenset[int]]:
+        """Return how many landmarks a state has so far, and all their operators: each leads to one less."""
+        landmarks = self.landmarks[state]
+        return len(landmarks), frozenset().union(*landmarks)
 
     def __call__(self, state: int) -> float:
         """Return the number of landmarks, infinity where the goal cannot be reached."""

@@ -17,7 +17,13 @@ ONLY_IN = {
     "torch": {"learning/training.py"},
     "gymnasium": {"bpns/gymnasium.py"},
     "pyperplan": {"symbolic/planners/pyperplan.py"},
-    "unified_planning": set(),
+    "kairos": {"symbolic/planners/kairos.py", "symbolic/checkers/kairos.py"},
+    "unified_planning": {
+        "symbolic/planners/up.py",
+        "symbolic/planners/_up_problem.py",
+        "symbolic/checkers/unified_planning.py",
+    },
+    "matplotlib": {"symbolic/draw_operators.py"},
     "pickle": set(),
 }
 FILES = [path for layer in MAY_IMPORT for path in sorted((ROOT / layer).rglob("*.py"))]

@@ -1,8 +1,8 @@
-"""Planners: one module is one planner and its file name is the planner's name."""
+"""Planners: one module is one planner (or one family) and its file name is the planner's name."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from importlib import import_module
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module, metadata
 from inspect import signature
 from pathlib import Path
 from time import monotonic
@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from symbolic.errors import InputError
+from symbolic.errors import InputError, MissingPackage
 from symbolic.grounding import GroundProblem
 from symbolic.structs import GroundAtom, GroundOperator
 
@@ -53,7 +53,43 @@ class SearchRecord:
 
     nodes_created: int = 0
     nodes_expanded: int = 0
-    stopped_by: str = ""  # empty, or "node limit", "time limit"
+    stopped_by: str = ""  # empty, or "node limit", "time limit", "planner failed"
+    fault: str = ""  # what a planner that failed did
+    remarks: list[str] = field(default_factory=list)  # what else a user should know, one line each
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What a planner can do and where it comes from; ``bpns planners`` prints these.
+
+    A planner is optimal when its plans come in order of length. Whatever it can do itself, every planner's
+    stream goes on after its first plan.
+    """
+
+    name: str  # how to ask for it
+    gives: str  # "one plan", "better plans", "top-k" (many, after a while) or "stream" (many, as they come)
+    optimal: bool = False
+    proves: bool = False  # says for certain when there is no plan
+    negation: bool = False  # takes negative preconditions and goals; they are compiled away for the others
+    equality: bool = False  # takes (= ?x ?y); compiled away for the others
+    costs: bool = False  # takes costs of ground operators that change between plans
+    package: str = ""  # on PyPI; empty for our own
+    extra: str = ""  # the extra of bpns that installs it
+    licence: str = "MIT"
+    note: str = ""
+
+    @property
+    def version(self) -> str | None:
+        """The installed version; None where the package is missing."""
+        try:
+            return metadata.version(self.package or "bpns")
+        except metadata.PackageNotFoundError:
+            return None
+
+    def check_installed(self) -> None:
+        """Raise MissingPackage unless the package is there."""
+        if self.version is None:
+            raise MissingPackage(f"{self.name} needs {self.package}: pip install 'bpns[{self.extra}]'")
 
 
 class Planner(Protocol):
@@ -69,7 +105,8 @@ class Planner(Protocol):
 
         A plan ends at its first goal state. Plans are never dropped because their abstract states were
         seen before: predicates are lossy, and another order can succeed where this one fails.
-        The stream ends when there are no more plans, or at a limit, which ``record`` then names.
+        No step leaves the abstract state as it is. The stream ends when there are no more plans, or at a
+        limit, or when the planner fails: ``record`` then says so. It never raises for a planner's faults.
         """
         ...
 
@@ -79,18 +116,40 @@ def names() -> list[str]:
     return sorted(file.stem for file in Path(__file__).parent.glob("[!_]*.py"))
 
 
+def about() -> list[About]:
+    """Return what each planner can do. Nothing foreign is imported for it."""
+    return [one for name in names() for one in import_module(f"symbolic.planners.{name}").ABOUT]
+
+
 def load(name: str) -> Planner:
     """Return a planner by name, with options after colons (``astar:hff``, ``pyperplan:gbf:hff``).
 
-    Each module offers ``create(*options)``. Raises InputError for unknown names and options.
+    Each module offers ``create(*options)``. A planner from elsewhere is ``module:function`` with its options
+    after that. Raises InputError for unknown names and options, MissingPackage where a package is missing.
     """
     module, *options = name.split(":")
-    if module not in names():
-        raise InputError(f"unknown planner '{module}' (have: {', '.join(names())})")
-    create = import_module(f"symbolic.planners.{module}").create
+    if module in names():
+        create = import_module(f"symbolic.planners.{module}").create
+    elif options:
+        create = _from_elsewhere(module, options.pop(0))
+    else:
+        raise InputError(f"unknown planner '{module}' (have: {', '.join(names())}, or MODULE:FUNCTION)")
     try:
         signature(create).bind(*options)
     except TypeError as error:
-        raise InputError(f"planner '{name}' has too many options after '{module}'") from error
+        raise InputError(f"planner '{name}' has too many or too few options after '{module}'") from error
     planner: Planner = create(*options)
     return planner
+
+
+def _from_elsewhere(module: str, function: str) -> Callable[..., Planner]:
+    """Return a function that creates a planner from a module of the user's."""
+    try:
+        create: Callable[..., Planner] = getattr(import_module(module), function)
+    except Exception as error:  # whatever a stranger's module does at import
+        raise InputError(
+            f"unknown planner '{module}:{function}': {type(error).__name__}: {error} "
+            f"(have: {', '.join(names())}; modules are looked for in the current folder, in PYTHONPATH and "
+            "among installed packages)"
+        ) from error
+    return create

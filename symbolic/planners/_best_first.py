@@ -1,184 +1,209 @@
-"""All plans of a compiled problem in order of cost: A* that keeps every path."""
+"""All plans of a compiled problem in order of cost, the most different first."""
 
 from collections.abc import Iterator
 from heapq import heappop, heappush
 from math import inf
-from typing import NamedTuple
+from random import Random
 
 import numpy as np
 
-from symbolic.compile import CompiledProblem, applicable_operators
-from symbolic.heuristics import Heuristic, LmCut
+from symbolic.compile import CompiledProblem
+from symbolic.costs import Costs
+from symbolic.heuristics import Heuristic
 from symbolic.planners import Limit, SearchRecord
+from symbolic.planners._product import Node, Path, Product, State, StoppedError
+
+_CHEAP = 16
+_DEAD_END = 10_000  # states that are looked at to find out whether one of them leads to a goal
 
 
-class Node(NamedTuple):
-    """A path: how its last state was reached."""
+class _Search:
+    """Finds the cheapest plan that was not given yet, again and again, and learns from it.
 
-    state: int
-    length: int
-    parent: "Node | None"
-    operator: int
-
-    def steps(self) -> list[int]:
-        """Return the numbers of the operators along the path."""
-        steps = []
-        node = self
-        while node.parent is not None:
-            steps.append(node.operator)
-            node = node.parent
-        return steps[::-1]
-
-
-class _PathSearch:
-    """A* over paths with estimates that sharpen as states are visited again.
-
-    Until the first plan, a path to a state that was expanded at no greater length is set aside: this is
-    A* on states, which proves that there is no plan when the queue runs empty. From then on every path
-    counts. What keeps that from exploding are the estimates: no expanded state can be nearer to a goal
-    than the first plan's length minus its own depth, and no state nearer than its best successor.
-
-    Paths into states from which no goal can be reached are dropped then; they would go in circles forever.
-
-    Among paths of equal estimated length, those nearest to a goal go first until there is a plan, and
-    random ones afterwards: a first plan soon, then plans that differ.
-
-    With LM-cut, a new state's estimate is at first only what its parent's landmarks give. Evaluating it is
-    put off until a path to it is taken from the queue, which most never are.
+    ``best`` is A*. Then it raises the values of all nodes that it opened to what its result implies (Koenig
+    and Likhachev, Adaptive A*, AAMAS 2005): values then fall from the root to a goal by just what each step
+    costs. While plans of this cost are left, ``next_alike`` finds them without a queue.
     """
 
-    def __init__(
-        self, problem: CompiledProblem, heuristic: Heuristic, rng: np.random.Generator, record: SearchRecord
-    ) -> None:
-        self.problem = problem
-        self.heuristic = heuristic
-        self.rng = rng
-        self.record = record
-        self.queue: list[tuple[float, float, float, int, Node]] = []  # length, tie, random tie, serial number
-        self.applicable = applicable_operators(problem)
-        self.estimates: dict[int, float] = {}  # state -> lower bound on the length of the rest
-        self.unsure: set[int] = set()  # states that are not evaluated yet
-        self.successors: dict[int, list[tuple[int, int]]] = {}  # state -> (operator, next state)
-        self.depth: dict[int, int] = {}  # expanded state -> least length of a path to it so far
-        self.aside: list[Node] | None = []  # None once there is a plan
-        self.alive: set[int] = set()  # states from which a goal can be reached, as far as known
-        self.serial = 0  # keeps the queue from ever comparing nodes
-        self.discover(problem.init, None, -1)
-        self.push(Node(problem.init, 0, None, -1))
+    def __init__(self, product: Product, random: Random) -> None:
+        self.product = product
+        self.random = random
+        self.effort = 0  # states opened for the present plan
 
-    def estimate(self, state: int) -> float:
-        """Return the best lower bound on the rest of a plan from a state; evaluates what was put off."""
-        if state in self.unsure:
-            self.unsure.remove(state)
-            if not self.problem.is_goal(state):
-                self.estimates[state] = max(self.estimates[state], self.heuristic(state))
-        return self.estimates[state]
+    def asks(self, state: Node, doubtful: bool) -> bool:
+        """Evaluate a state if that may pay; say whether its value rose."""
+        if not state.unsure:
+            return False
+        if self.product.landmarks is not None and not doubtful and self.effort < _CHEAP:
+            return False
+        assert isinstance(state, State)
+        before = state.value
+        self.product.evaluate(state)
+        return state.value > before
 
-    def discover(self, state: int, parent: int | None, operator: int) -> None:
-        """Estimate a new state, at first only roughly where that is cheap."""
-        self.unsure.add(state)
-        self.estimates[state] = 0
-        if parent is not None and isinstance(self.heuristic, LmCut):
-            self.estimates[state] = self.heuristic.inherit(state, parent, operator)
-        else:
-            self.estimate(state)
-
-    def push(self, node: Node) -> None:
-        """Queue a new path unless no goal can be reached from its end."""
-        self.record.nodes_created += 1
-        self.requeue(node)
-
-    def requeue(self, node: Node) -> None:
-        """Queue a path by the present estimate."""
-        rest = self.estimates[node.state]
-        if rest < inf:
-            self.serial += 1
-            tie = 0 if self.aside is None else rest
-            heappush(self.queue, (node.length + rest, tie, self.rng.random(), self.serial, node))
-
-    def expand(self, state: int) -> list[tuple[int, int]]:
-        """Return operators and next states."""
-        if state not in self.successors:
-            operators = self.problem.operators
-            found = [(number, operators[number].apply(state)) for number in self.applicable(state)]
-            self.successors[state] = found
-            for number, following in found:
-                if following not in self.estimates:
-                    self.discover(following, state, number)
-        return self.successors[state]
-
-    def sharpen(self, node: Node) -> bool:
-        """Raise the estimates along a path to what the successors allow; say whether its end's rose."""
-        rose = False
-        step: Node | None = node
-        while step is not None:
-            best = min((1 + self.estimates[s] for _, s in self.expand(step.state)), default=inf)
-            if best <= self.estimates[step.state]:
-                break
-            self.estimates[step.state] = best
-            rose = True
-            step = step.parent
-        return rose
-
-    def can_end(self, state: int, limit: Limit) -> bool:
-        """Say whether a goal can be reached from a state; yes where a limit ends the question.
-
-        Where no goal can be reached, no estimate is high enough.
-        """
-        came_from: dict[int, int | None] = {state: None}
-        queue = [(self.estimate(state), state)]
-        while queue:
-            rest, now = heappop(queue)
-            if self.estimate(now) > rest:
-                if self.estimates[now] < inf:
-                    heappush(queue, (self.estimates[now], now))
+    def next_alike(self) -> Path | None:
+        """Return a path that costs what the root's value says; None if there is none, and then it rises."""
+        product, costs = self.product, self.product.costs
+        path: Path = []
+        node = product.root
+        while not node.goal:
+            children = node.children if node.children is not None else product.open(node)
+            place = node.way
+            if place >= 0 and costs[node.operators[place]] + children[place].value <= node.value:
+                path.append((node, place))
+                node = children[place]
                 continue
-            if limit.late or len(came_from) > limit.nodes:
+            product.check()
+            totals = [costs[o] + c.value for o, c in zip(node.operators, children, strict=True)]
+            least = min(totals, default=inf)
+            if least <= node.value < inf:
+                place = self.choose(node, [i for i, total in enumerate(totals) if total <= node.value])
+                child = children[place]
+                if not self.asks(child, totals[place] < node.value):
+                    path.append((node, place))
+                    node = child
+                continue
+            self.effort += 1
+            node.value = least
+            if not node.alive:
+                self.can_end(node)
+                path.clear()  # as it may have raised values along the path
+                node = product.root
+                continue
+            if not path:
+                return None
+            node, _ = path.pop()
+        return path
+
+    def choose(self, node: Node, places: list[int]) -> int:
+        """Choose among children: where plans were given, the least tried; elsewhere, where we were before."""
+        assert node.children is not None
+        if len(places) == 1:
+            return places[0]
+        if isinstance(node, State):
+            known = [i for i in places if node.children[i].alive]
+        else:
+            fewest = min([node.children[i].given for i in places])
+            known = [i for i in places if node.children[i].given == fewest]
+        places = known or places
+        return places[int(self.random.random() * len(places))]
+
+    def best(self) -> Path | None:
+        """Return the cheapest path to a goal, by A*; None where there is none."""
+        product, costs = self.product, self.product.costs
+        start = product.root
+        first = isinstance(start, State)
+        reached: dict[Node, float] = {start: 0}
+        came_from: dict[Node, tuple[Node, int]] = {}
+        closed: dict[Node, None] = {}
+        deepest = -1.0
+        queue: list[tuple[float, float, int, float, Node]] = []
+        low = start.value
+
+        def push(node: Node) -> None:
+            if node.value < inf:
+                entry = (reached[node] + node.value, node.value, node.given, self.random.random(), node)
+                heappush(queue, entry)
+
+        push(start)
+        goal: Node | None = None
+        total = inf
+        while queue:
+            product.check()
+            estimate, value, _, _, node = heappop(queue)
+            spent = reached[node]
+            if spent + value < estimate:
+                continue  # reached at less cost since
+            if node.value > value or self.asks(node, estimate < low):
+                push(node)
+                continue
+            low = max(low, estimate)
+            self.effort += spent <= deepest  # what does not lead on
+            deepest = max(deepest, spent)
+            if node.goal:
+                goal, total = node, spent
+                break
+            if not first and not node.alive and not self.can_end(node):
+                continue
+            closed[node] = None
+            for place, child in enumerate(self.product.open(node)):
+                cost = spent + costs[node.operators[place]]
+                if cost < reached.get(child, inf):
+                    reached[child] = cost
+                    came_from[child] = node, place
+                    push(child)
+        for node in closed:
+            node.value = max(node.value, total - reached[node])
+            if total == inf:
+                node.base = inf
+        for node in reversed(closed):  # where the way on from one of them costs more, say so
+            assert node.children is not None
+            ways = zip(node.operators, node.children, strict=True)
+            node.value = max(node.value, min([costs[o] + c.value for o, c in ways], default=inf))
+        if goal is None:
+            return None
+        path: Path = []
+        while goal is not start:
+            path.append(came_from[goal])
+            goal = path[-1][0]
+        return path[::-1]
+
+    def can_end(self, node: Node) -> bool:
+        """Say whether a goal can be reached; if not, no value is high enough. Yes where it takes too long."""
+        assert isinstance(node, State)
+        came_from: dict[State, State | None] = {node: None}
+        queue = [(node.value, 0.0, node)]
+        while queue:
+            self.product.check()
+            _, _, now = heappop(queue)
+            if now.alive or len(came_from) > _DEAD_END:
+                touched = came_from if not now.alive else _chain(now, came_from)
+                for state in touched:
+                    state.alive = True
                 return True
-            if now in self.alive or self.problem.is_goal(now):
-                step: int | None = now
-                while step is not None:
-                    self.alive.add(step)
-                    step = came_from[step]
-                return True
-            for _, following in self.expand(now):
-                if following not in came_from and self.estimates[following] < inf:
-                    came_from[following] = now
-                    heappush(queue, (self.estimates[following], following))
-        self.estimates.update(dict.fromkeys(came_from, inf))
+            if self.asks(now, True) and now.value == inf:
+                continue
+            for child in self.product.open(now):
+                assert isinstance(child, State)
+                if child not in came_from and child.value < inf:
+                    came_from[child] = now
+                    heappush(queue, (child.value, self.random.random(), child))
+        for state in came_from:
+            state.value = state.base = inf
         return False
 
-    def found_first(self, length: int) -> None:
-        """Use the first plan's length, and queue all paths anew with those that were set aside."""
-        nodes = [entry[-1] for entry in self.queue] + (self.aside or [])
-        self.queue, self.aside = [], None
-        for state, depth in self.depth.items():
-            self.estimates[state] = max(self.estimates[state], length - depth)
-        for node in nodes:
-            self.requeue(node)
-
-    def run(self, limit: Limit) -> Iterator[list[int]]:
+    def plans(self, costs: Costs | None) -> Iterator[list[int]]:
         """Yield plans as lists of operator numbers."""
-        while self.queue:
-            if self.record.nodes_created >= limit.nodes or limit.late:
-                self.record.stopped_by = "time limit" if limit.late else "node limit"
+        product = self.product
+        numbers = {o.ground: i for i, o in enumerate(product.problem.operators)} if costs else {}
+        version = 0
+        path: Path | None
+        while True:
+            self.effort = 0
+            product.check()
+            if costs is not None and costs.version > version:
+                changed = [o for o in costs.changed_since(version) if o in numbers]
+                product.change({numbers[o]: costs.of(o) for o in changed})
+                version = costs.version
+            path = None if isinstance(product.root, State) else self.next_alike()
+            if path is None:
+                path = self.best()
+            if path is None:
                 return
-            total, _, _, _, node = heappop(self.queue)
-            if node.length + self.estimate(node.state) > total:
-                self.requeue(node)
-            elif self.problem.is_goal(node.state):
-                if self.aside is not None:
-                    self.found_first(node.length)
-                yield node.steps()
-            elif self.aside is not None and self.depth.get(node.state, inf) <= node.length:
-                self.aside.append(node)
-            elif self.aside is None and (not self.can_end(node.state, limit) or self.sharpen(node)):
-                self.requeue(node)  # unless it is dead
-            else:
-                self.depth[node.state] = min(node.length, self.depth.get(node.state, node.length))
-                self.record.nodes_expanded += 1
-                for number, state in self.expand(node.state):
-                    self.push(Node(state, node.length + 1, node, number))
+            for node, place in path:
+                if isinstance(node, State):
+                    node.alive, node.way = True, place
+            steps = [node.operators[place] for node, place in path]
+            product.give(path)
+            yield steps
+
+
+def _chain(state: State, came_from: dict[State, State | None]) -> list[State]:
+    """Return a state and those before it."""
+    found = [state]
+    while (before := came_from[found[-1]]) is not None:
+        found.append(before)
+    return found
 
 
 def enumerate_plans(
@@ -187,6 +212,15 @@ def enumerate_plans(
     rng: np.random.Generator,
     limit: Limit,
     record: SearchRecord,
+    costs: Costs | None = None,
 ) -> Iterator[list[int]]:
-    """Yield plans as lists of operator numbers; in order of length where the heuristic is admissible."""
-    return _PathSearch(problem, heuristic, rng, record).run(limit)
+    """Yield plans as lists of operator numbers, in order of cost where the heuristic is admissible.
+
+    It must be so for unit costs. ``costs`` may change between plans; without them every step costs 1.
+    No step leaves the abstract state as it is.
+    """
+    try:
+        product = Product(problem, heuristic, limit, record, costs is not None)
+        yield from _Search(product, Random(int(rng.integers(2**63)))).plans(costs)
+    except StoppedError:
+        return

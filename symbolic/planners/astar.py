@@ -1,4 +1,4 @@
-"""Our own planner: A* over paths on bit masks; exact order with lmcut."""
+"""Our own planner: all abstract plans on bit masks, in exact order of cost with lmcut."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,11 +6,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from symbolic.compile import compile_problem
+from symbolic.costs import Costs
 from symbolic.errors import InputError
 from symbolic.grounding import GroundProblem
 from symbolic.heuristics import HEURISTICS
-from symbolic.planners import AbstractPlan, Limit, SearchRecord
+from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
 from symbolic.planners._best_first import enumerate_plans
+
+ABOUT = (
+    About(
+        "astar",
+        "stream",
+        optimal=True,
+        proves=True,
+        negation=True,
+        equality=True,
+        costs=True,
+        note="astar:HEURISTIC; only with lmcut, which it takes unless told otherwise, optimal",
+    ),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +39,31 @@ class AStar:
         return f"astar:{self.heuristic}"
 
     def plans(
-        self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
+        self,
+        problem: GroundProblem,
+        rng: np.random.Generator,
+        limit: Limit,
+        record: SearchRecord,
+        costs: Costs | None = None,
     ) -> Iterator[AbstractPlan]:
-        """Yield abstract plans; see Planner. Ties are broken by ``rng``."""
+        """Yield abstract plans; see Planner. Of equally cheap ones, those least like the given go first.
+
+        ``costs`` may change between plans: then the cheapest plan by the costs of that moment comes next.
+        """
         compiled = compile_problem(problem)
         heuristic = HEURISTICS[self.heuristic](compiled)
-        for steps in enumerate_plans(compiled, heuristic, rng, limit, record):
-            yield AbstractPlan.follow(problem, [compiled.operators[i].ground for i in steps])
+        known = {compiled.init: problem.problem.init}  # plans share the abstract states on their ways
+        for numbers in enumerate_plans(compiled, heuristic, rng, limit, record, costs):
+            mask = compiled.init
+            steps, atoms = [], [known[mask]]
+            for number in numbers:
+                step = compiled.operators[number]
+                mask = step.apply(mask)
+                if mask not in known:
+                    known[mask] = step.ground.apply(atoms[-1])
+                steps.append(step.ground)
+                atoms.append(known[mask])
+            yield AbstractPlan(tuple(steps), tuple(atoms))
 
 
 def create(heuristic: str = "lmcut") -> AStar:

@@ -1,12 +1,12 @@
 """pyperplan on the real PDDL text: its parser, grounder, searches and heuristics.
 
-pyperplan is GPL-3.0-or-later and is imported only here, when asked for. It gives one plan; alternatives are
-enumerated on the task that it grounded, by its heuristic, with our path search.
+pyperplan is GPL-3.0-or-later and is imported only here, when asked for, in a process apart. It gives one
+plan; alternatives are enumerated on the task that it grounded, by its heuristic, with our path search.
 """
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from shutil import which
@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 
 from symbolic.compile import CompiledOperator, CompiledProblem, bits
-from symbolic.errors import InputError, MissingPackage, Unsupported
+from symbolic.errors import InputError, MissingPackage
 from symbolic.grounding import GroundProblem
 from symbolic.heuristics import Heuristic
-from symbolic.pddl.write import object_names, write_domain, write_problem
-from symbolic.planners import AbstractPlan, Limit, SearchRecord
+from symbolic.pddl.write import write_domain, write_problem
+from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
+from symbolic.planners._apart import Apart
 from symbolic.planners._best_first import enumerate_plans
 
 
@@ -43,9 +44,27 @@ class _Fact(str):
         return self.number
 
 
+ADMISSIBLE = ("blind", "hmax", "lmcut")
+ABOUT = (
+    About(
+        "pyperplan",
+        "one plan",
+        optimal=True,
+        proves=True,
+        package="pyperplan",
+        extra="pyperplan",
+        licence="GPL-3.0-or-later",
+        note="pyperplan:SEARCH:HEURISTIC; only astar with lmcut, hmax or blind is optimal",
+    ),
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Pyperplan:
-    """One of pyperplan's searches with one of its heuristics; astar with lmcut plans optimally."""
+    """One of pyperplan's searches with one of its heuristics.
+
+    It is used within Apart, which compiles away what pyperplan cannot read.
+    """
 
     search: str
     heuristic: str
@@ -75,7 +94,7 @@ class Pyperplan:
                 yield AbstractPlan.follow(problem, [compiled.operators[i].ground for i in steps])
 
 
-def create(search: str = "astar", heuristic: str = "lmcut") -> Pyperplan:
+def create(search: str = "astar", heuristic: str = "lmcut") -> Apart:
     """Return the planner; raise InputError for unknown names, MissingPackage without pyperplan."""
     library = _library()
     searches = {name: s for name, s in library.SEARCHES.items() if name != "sat" or which("minisat")}
@@ -86,10 +105,12 @@ def create(search: str = "astar", heuristic: str = "lmcut") -> Pyperplan:
         if name not in known:
             have = ", ".join(sorted(known))
             raise InputError(f"unknown {kind} '{name}' in 'pyperplan:{search}:{heuristic}' (have: {have})")
-    return Pyperplan(search, heuristic)
+    optimal = search == "astar" and heuristic in ADMISSIBLE
+    return Apart(Pyperplan(search, heuristic), replace(ABOUT[0], optimal=optimal))
 
 
 def _library() -> Any:
+    ABOUT[0].check_installed()
     try:
         from pyperplan import planner  # optional, GPL, slow to import
         from pyperplan.heuristics import lm_cut
@@ -116,9 +137,6 @@ def _ground(problem: GroundProblem, library: Any) -> tuple[Any, CompiledProblem]
 
     Operators that we found unreachable are left out.
     """
-    negative = any(o.negative_preconditions for o in problem.domain.operators)
-    if negative or problem.problem.negative_goal:
-        raise Unsupported("pyperplan has no negative preconditions or goals: use --planner astar")
     with TemporaryDirectory() as folder, _reported("reading and grounding"):
         domain_file, problem_file = Path(folder, "domain.pddl"), Path(folder, "problem.pddl")
         domain_file.write_text(write_domain(problem.domain), encoding="utf-8")
@@ -133,11 +151,9 @@ def _ground(problem: GroundProblem, library: Any) -> tuple[Any, CompiledProblem]
     def mask(facts: frozenset[str]) -> int:
         return sum(1 << index[fact] for fact in facts)
 
-    names = object_names(problem.problem, problem.domain)
     compiled = []
     for ours in problem.operators:
-        arguments = [names.get(o.name, o.name.lower()) for o in ours.objects]
-        theirs = grounded.get(f"({' '.join([ours.operator.name.lower(), *arguments])})")
+        theirs = grounded.get(ours.call)
         if theirs is not None:  # it leaves out operators without any effect
             keep = everything & ~mask(theirs.del_effects - theirs.add_effects)
             compiled.append(

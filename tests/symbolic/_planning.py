@@ -1,6 +1,7 @@
 """Running planners in tests."""
 
 from collections.abc import Iterator
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -24,7 +25,9 @@ def grounded(domain: Domain, problem: Problem) -> GroundProblem:
     return found
 
 
+@cache
 def load_or_skip(name: str) -> Planner:
+    """Load a planner once, as some keep a process from problem to problem."""
     try:
         return load(name)
     except MissingPackage as error:

@@ -275,7 +275,10 @@ PlanKey: TypeAlias = tuple[str, ...]
 def plans_by_length(
     problem: Problem, graph: Graph, most_paths: int = 400, most_steps: int = 5
 ) -> list[set[PlanKey]]:
-    """Return all plans of length 0, 1, 2, ...: paths that meet a goal state at their end and not before."""
+    """Return all plans of length 0, 1, 2, ...: paths that meet a goal state at their end and not before.
+
+    Each of their steps changes something.
+    """
     layers: list[set[PlanKey]] = []
     paths: list[tuple[PlanKey, AbstractState]] = [((), problem.init)]
     while paths and len(paths) <= most_paths and len(layers) <= most_steps:
@@ -285,6 +288,7 @@ def plans_by_length(
             for steps, state in paths
             if not problem.satisfied(state)
             for operator, after in graph[state]
+            if after != state
         ]
     return layers
 

@@ -1,0 +1,238 @@
+"""Abstract states, and those states again with what was already given: what our search walks on.
+
+A ``State`` is an abstract state. A ``Branch`` is a state reached by the first steps of a plan that was given;
+its children are that state's, but where given plans go on there are branches, and where they end is nothing.
+So the plans not yet given are exactly the paths from the root to a goal.
+"""
+
+from collections.abc import Sequence
+from math import inf
+from typing import TypeAlias
+
+from symbolic.compile import CompiledProblem, applicable_operators
+from symbolic.heuristics import Heuristic, LmCut
+from symbolic.planners import Limit, SearchRecord
+
+
+class StoppedError(Exception):
+    """A limit was reached."""
+
+
+class State:
+    """An abstract state; ``value`` is at most what the cheapest way from it to a goal costs."""
+
+    __slots__ = (
+        "alive", "base", "branches", "children", "given", "goal", "mask", "operators", "origin", "parents",
+        "unsure", "value", "way",
+    )  # fmt: skip
+
+    def __init__(self, mask: int, goal: bool, value: float, origin: "tuple[State, int] | None") -> None:
+        self.mask = mask
+        self.goal = goal
+        self.value = self.base = value  # base: the part that holds whatever the penalties are
+        self.operators: Sequence[int] = ()
+        self.children: list[Node] | None = None  # one for each operator; None until it is opened
+        self.given = 0
+        self.alive = goal  # whether a goal is known to be within reach
+        self.unsure = not goal  # whether the heuristic was not asked yet
+        self.origin = origin  # where it was discovered, and by which operator
+        self.way = -1  # which child the last plan through it went on to
+        self.parents: list[tuple[State, int]] | None = (
+            None  # opened states, and which child of theirs this is
+        )
+        self.branches: list[Branch] | None = None
+
+
+class Branch:
+    """A state after the first steps of given plans; ``value`` is about the plans not given yet."""
+
+    __slots__ = ("above", "base", "children", "given", "operators", "place", "rest", "state", "value")
+
+    goal = False
+    alive = True
+    way = -1
+    unsure = False
+
+    def __init__(self, state: State, rest: Sequence[int], above: "Branch | None", place: int) -> None:
+        self.state = state
+        self.rest = rest  # how the one given plan goes on: places among the children, until it is opened
+        self.above = above  # the branch before it, and its place among that one's children
+        self.place = place
+        self.operators = state.operators
+        self.children: list[Node] | None = None if rest else []
+        self.value, self.base = (state.value, state.base) if rest else (inf, inf)
+        self.given = 1  # plans given that begin like this
+
+
+Node: TypeAlias = State | Branch
+Path: TypeAlias = list[tuple[Node, int]]  # nodes and which of its children each is left by
+
+
+class Product:
+    """The nodes made so far, with values that only rise while costs stay.
+
+    A value above its ``base`` is never above the least of cost plus value among the children. So when a cost
+    falls, it is enough to lower what depends on it, and values stay lower bounds.
+    """
+
+    def __init__(
+        self,
+        problem: CompiledProblem,
+        heuristic: Heuristic,
+        limit: Limit,
+        record: SearchRecord,
+        tracked: bool,
+    ) -> None:
+        self.problem = problem
+        self.heuristic = heuristic
+        self.landmarks = heuristic if isinstance(heuristic, LmCut) else None
+        self.limit = limit
+        self.record = record
+        self.tracked = tracked  # whether costs may fall
+        self.costs = [1.0] * len(problem.operators)
+        self.users: list[list[tuple[State, int]]] = [[] for _ in problem.operators]
+        self.applicable = applicable_operators(problem)
+        self.states: dict[int, State] = {}
+        record.nodes_created += 1
+        start = self.states[problem.init] = State(problem.init, problem.is_goal(problem.init), 0, None)
+        self.root: Node = start
+        self.evaluate(start)
+
+    def check(self) -> None:
+        """Raise StoppedError at a limit."""
+        if self.limit.late:
+            self.record.stopped_by = "time limit"
+        elif self.record.nodes_created >= self.limit.nodes:
+            self.record.stopped_by = "node limit"
+        else:
+            return
+        raise StoppedError
+
+    def evaluate(self, state: State) -> None:
+        """Ask the heuristic about a state."""
+        if state.unsure:
+            state.unsure = False
+            self.settle(state)
+            found = self.heuristic(state.mask)
+            state.base = max(state.base, found)
+            state.value = max(state.value, found)
+
+    def settle(self, state: State) -> None:
+        """Fix the landmarks that a state has from where it was discovered."""
+        if self.landmarks is not None and state.origin is not None:
+            parent, operator = state.origin
+            self.landmarks.inherit(state.mask, parent.mask, operator)
+        state.origin = None
+
+    def open(self, node: Node) -> list[Node]:
+        """Return a node's children."""
+        if node.children is None:
+            self.check()
+            self.record.nodes_expanded += 1
+            node.children = self._expand(node) if isinstance(node, State) else self._branch_off(node)
+        return node.children
+
+    def _expand(self, state: State) -> list[Node]:
+        """Apply what is applicable, but for what changes nothing."""
+        self.settle(state)
+        operators, states = self.problem.operators, self.states
+        found = [(number, operators[number].apply(state.mask)) for number in self.applicable(state.mask)]
+        found = [(number, mask) for number, mask in found if mask != state.mask]
+        state.operators = [number for number, _ in found]
+        if self.landmarks is not None:
+            total, covered = self.landmarks.known(state.mask)
+            bounds: list[float] = [total - (number in covered) for number in state.operators]
+        else:
+            bounds = [max(0.0, state.base - 1)] * len(found)
+        children: list[Node] = []
+        for (number, mask), bound in zip(found, bounds, strict=True):
+            child = states.get(mask)
+            if child is None:
+                goal = self.problem.is_goal(mask)
+                child = states[mask] = State(mask, goal, 0 if goal else bound, (state, number))
+                self.record.nodes_created += 1
+            children.append(child)
+        if self.tracked:
+            for place, number in enumerate(state.operators):
+                self.users[number].append((state, place))
+                child = states[found[place][1]]
+                if child.parents is None:
+                    child.parents = []
+                child.parents.append((state, place))
+        return children
+
+    def _branch_off(self, branch: Branch) -> list[Node]:
+        """Copy the state's children; the one that the given plan goes on to becomes a branch."""
+        children = list(self.open(branch.state))
+        place, *rest = branch.rest
+        branch.rest = ()
+        following = children[place]
+        assert isinstance(following, State)
+        children[place] = self._branch(following, rest, branch, place)
+        return children
+
+    def _branch(self, state: State, rest: Sequence[int], above: Branch | None, place: int) -> Branch:
+        self.record.nodes_created += 1
+        branch = Branch(state, rest, above, place)
+        if self.tracked and rest:
+            if state.branches is None:
+                state.branches = []
+            state.branches.append(branch)
+        return branch
+
+    def give(self, path: Path) -> None:
+        """Take a plan out of those that are left: a path from the root to a goal."""
+        above: Branch | None = None
+        came_by = -1
+        for index, (node, place) in enumerate(path):
+            if isinstance(node, State):
+                self._hang(self._branch(node, [p for _, p in path[index:]], above, came_by))
+                return
+            node.given += 1
+            above, came_by = node, place
+        goal = self.root if above is None else self.open(above)[came_by]
+        assert isinstance(goal, State)
+        self._hang(self._branch(goal, (), above, came_by))
+
+    def _hang(self, branch: Branch) -> None:
+        if branch.above is None:
+            self.root = branch
+        else:
+            self.open(branch.above)[branch.place] = branch
+
+    def change(self, costs: dict[int, float]) -> None:
+        """Set costs of operators; lower the values that rest on those that fell."""
+        fallen = [number for number, cost in sorted(costs.items()) if cost < self.costs[number]]
+        for number, cost in costs.items():
+            self.costs[number] = cost
+        lowered: list[Node] = []
+        for number in fallen:
+            for state, place in self.users[number]:
+                self._relax_all(state, place, None, lowered)
+        while lowered:
+            node = lowered.pop()
+            if isinstance(node, Branch):
+                if node.above is not None:
+                    self._relax(node.above, node.place, lowered)
+                continue
+            for branch in node.branches or ():
+                if branch.children is None and branch.value > node.value:
+                    branch.value = node.value
+                    lowered.append(branch)
+            for state, place in node.parents or ():
+                self._relax_all(state, place, node, lowered)
+
+    def _relax_all(self, state: State, place: int, child: Node | None, lowered: list[Node]) -> None:
+        """Relax a state and its branches; only those that have the given child, if one is given."""
+        self._relax(state, place, lowered)
+        for branch in state.branches or ():
+            if branch.children is not None and child in (None, branch.children[place]):
+                self._relax(branch, place, lowered)
+
+    def _relax(self, node: Node, place: int, lowered: list[Node]) -> None:
+        """Lower a value to what one child allows, but not below its base."""
+        if node.value > node.base:
+            bound = max(node.base, self.costs[node.operators[place]] + self.open(node)[place].value)
+            if bound < node.value:
+                node.value = bound
+                lowered.append(node)

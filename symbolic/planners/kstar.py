@@ -1,0 +1,88 @@
+"""K* (Lee, Katz and Sohrabi 2023): top-k search with LM-cut, which delivers its plans at the end.
+
+kstar-planner is GPL-3.0; it is run as a program.
+"""
+
+import json
+import sys
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from symbolic.grounding import GroundProblem
+from symbolic.pddl.portable import Rewritten
+from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
+from symbolic.planners._alternatives import more_and_more
+from symbolic.planners._foreign import PlannerFailed, Words
+from symbolic.planners._program import GAVE_UP, read_plans, running, task_folder
+
+ABOUT = (
+    About(
+        "kstar",
+        "top-k",
+        optimal=True,
+        proves=True,
+        negation=True,
+        equality=True,
+        package="kstar-planner",
+        extra="kstar",
+        licence="GPL-3.0",
+    ),
+)
+FIRST = 10
+SYMMETRIES = (
+    "sym=structural_symmetries(time_bound=0,search_symmetries=oss,"
+    "stabilize_initial_state=false,keep_operator_symmetries=true)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class KStar:
+    """K* search with LM-cut and symmetries."""
+
+    binaries: Path
+
+    @property
+    def name(self) -> str:
+        """How to ask for this planner."""
+        return "kstar"
+
+    def plans(
+        self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
+    ) -> Iterator[AbstractPlan]:
+        """Yield K*'s plans in order of length; see Planner."""
+        return more_and_more(ABOUT[0], self.ask, FIRST, problem, rng, limit, record)
+
+    def ask(self, task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
+        """Run K* once; see AskMany."""
+        with task_folder(task) as folder:
+            options = f"k={number},dump_plan_files=false,json_file_to_dump=plans.json,symmetries=sym"
+            search = f"kstar(lmcut(transform=undo_to_origin()),find_unordered_plans=false,{options})"
+            driver = [sys.executable, "-B", "-m", "kstar_planner.driver.main", "--build", str(self.binaries)]
+            files = ["domain.pddl", "problem.pddl", "--symmetries", SYMMETRIES, "--search", search]
+            with running("kstar", [*driver, *files], folder) as program:
+                proven = yield from read_plans(program, folder, (), limit)
+                proven = proven or program.ended() in GAVE_UP  # its search misses no plan
+            if (folder / "plans.json").exists():
+                yield from _plans(folder / "plans.json")
+            return proven
+
+
+def _plans(path: Path) -> Iterator[list[Words]]:
+    try:
+        plans = json.loads(path.read_text(encoding="utf-8"))["plans"]
+        yield from ([tuple(action.lower().split()) for action in plan["actions"]] for plan in plans)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise PlannerFailed(f"kstar wrote no plans: {type(error).__name__}: {error}") from error
+
+
+def create() -> KStar:
+    """Return the planner; raise MissingPackage without kstar-planner."""
+    ABOUT[0].check_installed()
+    spec = find_spec("kstar_planner")
+    assert spec is not None
+    assert spec.origin is not None
+    return KStar(Path(spec.origin).parent / "builds" / "release" / "bin")
