@@ -76,10 +76,13 @@ def write_json(path: Path, value: Any) -> None:
     write_text(path, json.dumps(value, indent=2, allow_nan=False) + "\n")
 
 
-def read_text(path: Path) -> str:
-    """Return a text file; raise InputError where there is none."""
+def read_text(path: Path, errors: str = "strict") -> str:
+    """Return a text file; raise InputError where there is none.
+
+    ``errors`` says what becomes of bytes that are no UTF-8, as in ``bytes.decode``.
+    """
     try:
-        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
+        return path.read_text(encoding="utf-8-sig", errors=errors)  # some editors begin a file with a mark
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file (byte {error.start} is no UTF-8)") from error
     except OSError as error:

@@ -97,8 +97,8 @@ def read_inputs(domain: Path, problem: Path | None = None, plans: Sequence[Path]
             found.append(PlanSource(name, tuple(steps)))
     if found and problem is None:
         raise InputError("a plan can only be checked with its problem: give the problem too")
-    problem_source = None if problem is None else Source(str(problem), read_text(problem))
-    return Inputs(Source(str(domain), read_text(domain)), problem_source, tuple(found))
+    problem_source = None if problem is None else Source(str(problem), read_text(problem, "replace"))
+    return Inputs(Source(str(domain), read_text(domain, "replace")), problem_source, tuple(found))
 
 
 def disagreements(items: Sequence[str], reports: Sequence[Report]) -> list[str]:

@@ -90,7 +90,7 @@ class _Plain:
         def kept(objects: Iterable[Object]) -> tuple[Object, ...]:
             # Nothing can be said of the others, and unified-planning does not read them.
             plain = [self.object(o) for o in objects]
-            return tuple(o for o in plain if o.type != OBJECT or OBJECT in wanted or not types)
+            return tuple(o for o in plain if o.type != OBJECT or OBJECT in wanted)
 
         domain, problem, legal = self.domain, self.problem, self.spelling.legal
         return Domain(

@@ -19,12 +19,17 @@ __all__ = ["PddlWarning", "parse_domain", "parse_problem", "read_domain", "read_
 
 def read_domain(path: Path, names: Mapping[str, str] | None = None) -> Domain:
     """Read a domain file; raise PddlError, UnsupportedPddl or InputError."""
-    return parse_domain(read_text(path), str(path), names)
+    return parse_domain(_text(path), str(path), names)
 
 
 def read_problem(path: Path, domain: Domain, names: Mapping[str, str] | None = None) -> Problem:
     """Read a problem file of a domain; raise PddlError, UnsupportedPddl or InputError."""
-    return parse_problem(read_text(path), domain, str(path), names)
+    return parse_problem(_text(path), domain, str(path), names)
+
+
+def _text(path: Path) -> str:
+    # Old files have comments in other encodings; elsewhere such bytes are refused with their place.
+    return read_text(path, errors="surrogateescape")
 
 
 def parse_domain(text: str, path: str = "<text>", names: Mapping[str, str] | None = None) -> Domain:

@@ -7,9 +7,17 @@ import numpy as np
 
 from symbolic.grounding import GroundProblem
 from symbolic.pddl.forbid import forbid
-from symbolic.pddl.portable import Rewritten, portable
+from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._foreign import OutOfTime, PlanFilter, PlannerFailed, Words, original_words, recorded
+from symbolic.planners._foreign import (
+    OutOfTime,
+    PlanFilter,
+    PlannerFailed,
+    Words,
+    original_words,
+    prepared,
+    recorded,
+)
 from symbolic.planners._program import PATIENCE
 from symbolic.planners.astar import AStar
 from symbolic.structs import GroundOperator
@@ -39,7 +47,7 @@ def one_by_one(
     passing = PlanFilter(problem, record, about.optimal)
     forbidden: list[tuple[GroundOperator, ...]] = []  # in the order in which they came
     with recorded(record):
-        original = portable(problem.domain, problem.problem, about.negation, about.equality)
+        original = prepared(problem, about)
         while len(forbidden) < ALTERNATIVES:
             rewritten = forbid(
                 original,
@@ -116,18 +124,19 @@ def more_and_more(
     """Yield the plans of a top-k planner: ``first`` ones, then ten times as many, and so on; see Planner.
 
     Many of its plans are of no use, as they go on behind the goal or have steps that change nothing. After
-    MOST_ASKED_FOR plans, or fewer than asked for where that proves nothing, ``astar`` goes on.
+    MOST_ASKED_FOR plans, or where more bring nothing new, or fewer than asked for prove nothing, ``astar``
+    goes on.
     """
     passing = PlanFilter(problem, record, about.optimal)
     with recorded(record):
-        rewritten = portable(problem.domain, problem.problem, about.negation, about.equality)
+        rewritten = prepared(problem, about)
         number = first
         while number <= MOST_ASKED_FOR:
-            answers = ask(rewritten, number, limit)
+            before, answers = len(passing.seen), ask(rewritten, number, limit)
             given, proven = yield from _useful(about, answers, rewritten, passing, limit)
             if given < number and about.proves and (given or proven):
                 return
-            if given < number:
+            if given < number or len(passing.seen) == before:
                 break
             number *= 10
             passing.longest = 0

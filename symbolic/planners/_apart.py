@@ -21,10 +21,16 @@ from typing import Any
 import numpy as np
 
 from symbolic.grounding import GroundProblem
-from symbolic.pddl.portable import portable
 from symbolic.pddl.write import write_domain, write_problem
 from symbolic.planners import About, AbstractPlan, Limit, Planner, SearchRecord
-from symbolic.planners._foreign import OutOfTime, PlanFilter, PlannerFailed, original_words, recorded
+from symbolic.planners._foreign import (
+    OutOfTime,
+    PlanFilter,
+    PlannerFailed,
+    original_words,
+    prepared,
+    recorded,
+)
 from symbolic.planners._program import PATIENCE, Program, running
 
 GRACE = 0.5  # seconds after the deadline in which a planner can stop by itself
@@ -79,11 +85,6 @@ class Worker:
                 raise PlannerFailed(
                     f"{self._program.name} gave no plan within {PATIENCE:.0f} s (--timeout changes that)"
                 )
-
-    @property
-    def running(self) -> bool:
-        """Say whether the process is still there."""
-        return self._program.ended() is None
 
     def leave(self) -> None:
         """Tell the process that nobody wants more plans of this problem: it stops what it began."""
@@ -154,7 +155,7 @@ class Apart:
     ) -> Iterator[AbstractPlan]:
         """Yield the plans that come from the other process; see Planner."""
         passing = PlanFilter(problem, record, self.about.optimal)
-        rewritten = portable(problem.domain, problem.problem, self.about.negation, self.about.equality)
+        rewritten = prepared(problem, self.about)
         request = {
             "planner": self.name,
             "domain": write_domain(rewritten.domain),
@@ -163,7 +164,7 @@ class Apart:
             "nodes": limit.nodes,
         }
         with recorded(record):
-            worker = self._worker()
+            worker = self._worker(limit)
             unsure, more = True, True  # whether the worker is in order, and whether it has more to say
             try:
                 while True:
@@ -186,14 +187,22 @@ class Apart:
                 if worker.end.alive:
                     self.idle.append(worker)
 
-    def _worker(self) -> Worker:
-        """Return a worker that waits for a problem, or a new one."""
+    def _worker(self, limit: Limit) -> Worker:
+        """Return a worker that waits for a problem and still answers, or a new one."""
         while self.idle:
-            with suppress(IndexError):  # another thread was faster
+            try:
                 worker = self.idle.pop()
-                if worker.running:
-                    return worker
+            except IndexError:  # another thread was faster
+                break
+            try:
+                worker.ask({"leave": True}, limit)
+            except PlannerFailed:  # it died in the meantime
                 worker.end()
+            except OutOfTime:
+                worker.end()
+                raise
+            else:
+                return worker
         return Worker(self.name)
 
     def _note(self, news: dict[str, Any], passing: PlanFilter) -> None:

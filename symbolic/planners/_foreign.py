@@ -5,8 +5,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from symbolic.grounding import GroundProblem
-from symbolic.pddl.portable import Rewritten
-from symbolic.planners import AbstractPlan, SearchRecord
+from symbolic.pddl.portable import Rewritten, portable
+from symbolic.planners import About, AbstractPlan, SearchRecord
 from symbolic.structs import GroundOperator
 from symbolic.validate import first_fault
 
@@ -38,6 +38,13 @@ def one_line(text: str) -> str:
     """Return a text of foreign origin as one line that a terminal can show."""
     line = "".join(c for c in " ".join(text.split()) if c.isprintable())
     return line if len(line) <= LONGEST_FAULT else f"{line[:LONGEST_FAULT]} ..."
+
+
+def prepared(problem: GroundProblem, about: About) -> Rewritten:
+    """Return a task that a planner can read. Operators without effects are left out: some refuse them."""
+    operators = (o for o in problem.domain.operators if o.add_effects or o.delete_effects)
+    domain = problem.domain.with_operators(operators)
+    return portable(domain, problem.problem, about.negation, about.equality)
 
 
 def original_words(rewritten: Rewritten, words: Words) -> Words:

@@ -8,6 +8,8 @@ import numpy as np
 from symbolic.grounding import GroundProblem
 from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord
 
+MOST_IN_VAIN = 10_000  # where loops are possible, plans with more and more of them never end
+
 
 @dataclass(frozen=True, slots=True)
 class Loopless:
@@ -26,7 +28,13 @@ class Loopless:
     def plans(
         self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
     ) -> Iterator[AbstractPlan]:
-        """Yield plans; see Planner. With no such plan left, the search may go on to its limit."""
+        """Yield plans; see Planner. After MOST_IN_VAIN plans with loops in a row there are no more."""
+        in_vain = 0
         for plan in self.planner.plans(problem, rng, limit, record):
+            in_vain += 1
             if len(set(plan.atoms)) == len(plan.atoms):
+                in_vain = 0
                 yield plan
+            elif in_vain == MOST_IN_VAIN:
+                record.remarks.append(f"the last {MOST_IN_VAIN} plans all had loops: given up")
+                return

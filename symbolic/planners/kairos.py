@@ -61,10 +61,11 @@ class Kairos:
             domain, problem = task.texts
             parsed = kairos.parse_problem(problem, kairos.parse_domain(domain))
             result = make().solve(parsed, anytime=False, timeout=seconds, **options)
+            plan = None if result.plan is None else parse_plan(result.plan.to_string())
         except Exception as error:  # of a library that we do not know
             raise PlannerFailed(f"kairos: {type(error).__name__}: {error}") from error
-        if result.plan is not None:
-            yield [step.words for step in parse_plan(result.plan.to_string(), "kairos")]
+        if plan is not None:
+            yield [step.words for step in plan]
         elif result.status == kairos.Status.TIMEOUT:
             raise OutOfTime
         elif result.status not in (kairos.Status.UNSOLVABLE, kairos.Status.NO_PLAN_FOUND):

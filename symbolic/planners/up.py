@@ -33,8 +33,10 @@ ABOUT = (
     _engine(
         "enhsp-opt", "up-enhsp", "GPL", extra="planners", optimal=True, proves=True, note="needs Java 17"
     ),
-    _engine("aries", "up-aries", "MIT", extra="planners"),
-    _engine("tamer", "up-tamer", "free for education", extra="tamer", note="knows no time limit"),
+    _engine("aries", "up-aries", "MIT", extra="planners", note="searches on for ever where nothing is left"),
+    _engine(
+        "tamer", "up-tamer", "free for education", extra="tamer", note="refuses subtypes; knows no time limit"
+    ),
     _engine("kairos", "up-kairos", "Apache-2.0", proves=True),
     _engine("pyperplan", "up-pyperplan", "GPL-3.0", extra="planners", negation=False, equality=False),
     _engine(
@@ -92,14 +94,18 @@ class UnifiedPlanning:
         from unified_planning.engines import PlanGenerationResultStatus as Status
         from unified_planning.shortcuts import AnytimePlanner
 
-        built = _built(task, self.engine)
+        built, status = _built(task, self.engine), Status.INTERMEDIATE
         with AnytimePlanner(name=self.engine, params={"number_of_plans": number}) as engine:
             for result in engine.get_solutions(built, timeout=_seconds(limit)):
-                if result.status == Status.TIMEOUT:
-                    raise OutOfTime
-                if result.plan is not None and result.status == Status.INTERMEDIATE:
+                status = result.status
+                if status == Status.INTERMEDIATE:
                     yield _words(result.plan)
-        return False
+        nothing = (Status.UNSOLVABLE_PROVEN, Status.UNSOLVABLE_INCOMPLETELY)
+        if status == Status.TIMEOUT:
+            raise OutOfTime
+        if status not in (Status.SOLVED_SATISFICING, Status.SOLVED_OPTIMALLY, *nothing):
+            raise PlannerFailed(f"{self.name}: {status.name}")
+        return self.about.proves and status in nothing
 
 
 def _built(task: Rewritten, engine: str) -> Any:

@@ -18,7 +18,7 @@ WALK = parse_domain("""
   (:action walk :parameters (?a ?b - place) :precondition (and (at ?a) (road ?a ?b))
     :effect (and (at ?b) (not (at ?a))))
   (:action rest :parameters () :precondition (and) :effect (and (rested)))
-  (:action wait :parameters (?a - place) :precondition (and (at ?a)) :effect (and)))
+  (:action wait :parameters (?a - place) :precondition (and (at ?a)) :effect (and (at ?a))))
 """)
 
 

@@ -69,7 +69,8 @@ def test_process_that_was_killed_is_replaced(odd_prints: Apart) -> None:
     killed = int(process(record).split()[1])
     os.kill(killed, 9)
     assert gone_pid(killed)
-    assert ask(odd_prints, "d")[0] == [("walk(a, d)",)]
+    found, record = ask(odd_prints, "d")
+    assert (found, record.fault) == ([("walk(a, d)",)], "")
 
 
 def test_planner_can_go_to_another_process(odd_prints: Apart) -> None:
