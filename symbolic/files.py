@@ -82,11 +82,14 @@ def read_text(path: Path, errors: str = "strict") -> str:
     ``errors`` says what becomes of bytes that are no UTF-8, as in ``bytes.decode``.
     """
     try:
-        return path.read_text(encoding="utf-8-sig", errors=errors)  # some editors begin a file with a mark
+        text = path.read_text(encoding="utf-8-sig", errors=errors)  # some editors begin a file with a mark
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file (byte {error.start} is no UTF-8)") from error
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+    if "\0" in text:
+        raise InputError(f"{path}: not a text file (character {text.index(chr(0))} is NUL)")
+    return text
 
 
 def read_json(path: Path) -> Any:
