@@ -3,19 +3,25 @@
 On ../shared/pddl-bench. Per problem and planner: CPU seconds for reading and grounding, from then to the
 first plan and to the last; how many different first three steps there are among the first 8, 30, 100 and all;
 the shortest and the longest plan.
+
+With --changing: milliseconds per plan of our own planner, and of the slowest plan, where three random
+operators of each plan get another penalty (0, 0.5, 1, 2 or 4: costs rise and fall) before the next.
 """
 
 import argparse
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from random import Random
 from time import process_time
 
 import numpy as np
 
+from symbolic.costs import Costs
 from symbolic.grounding import GroundProblem, ground
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.planners import AbstractPlan, Limit, SearchRecord, load
+from symbolic.planners.astar import AStar
 
 FOLDER = Path(__file__).parents[2] / "shared" / "pddl-bench"
 PROBLEMS = ("stick-10", "stick-15", "doors-20", "cover-6", "coffee-4", "doors-100")
@@ -46,6 +52,22 @@ def row(name: str, planner: str, count: int, seed: int) -> Iterator[str]:
     yield f"{len(found[0].steps)}-{max(len(plan.steps) for plan in found)}" if found else "-"
 
 
+def changing_row(name: str, count: int, seed: int) -> Iterator[str]:
+    """Yield a row of the table of --changing."""
+    problem, costs, random = read(name), Costs(), Random(seed)
+    taken = []
+    start = process_time()
+    limit = Limit(10**9)
+    for plan in islice(
+        AStar().plans(problem, np.random.default_rng(seed), limit, SearchRecord(), costs), count
+    ):
+        taken.append(process_time() - start)
+        for step in random.sample(plan.steps, min(3, len(plan.steps))):
+            costs.set_penalty(step, random.choice([0, 0.5, 1, 2, 4]))
+        start = process_time()
+    yield from (name, str(len(taken)), f"{1000 * sum(taken) / len(taken):.2f}", f"{1000 * max(taken):.0f}")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -53,7 +75,14 @@ def main() -> None:
     parser.add_argument("--plans", type=int, default=1000)
     parser.add_argument("--problems", nargs="+", default=PROBLEMS)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--changing", action="store_true", help="change costs after each plan")
     arguments = parser.parse_args()
+    if arguments.changing:
+        print("".join(f"{head:>12}" for head in ("problem", "plans", "ms a plan", "slowest ms")))
+        for name in arguments.problems:
+            cells = changing_row(name, arguments.plans, arguments.seed)
+            print("".join(f"{cell:>12}" for cell in cells), flush=True)
+        return
     heads = (
         "problem",
         "planner",

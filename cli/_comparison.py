@@ -14,7 +14,7 @@ from cli._options import Subject
 from symbolic import planners
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import Budget
-from symbolic.errors import InputError
+from symbolic.errors import InputError, MissingPackage
 from symbolic.execution import execute
 from symbolic.grounding import GroundProblem
 from symbolic.planners import Limit
@@ -32,7 +32,10 @@ def planner_names(given: Sequence[str]) -> list[str]:
     if "all" in found:
         installed = [a.name for a in planners.about() if a.version is not None and a.name != "command"]
         found = [*installed, *(name for name in found if name != "all")]
-    return list(dict.fromkeys(name.strip() for name in found if name.strip()))
+    names = list(dict.fromkeys(name.strip() for name in found if name.strip()))
+    if not names:
+        raise InputError("--compare names no planner: give some with commas between, or all")
+    return names
 
 
 def print_comparison(
@@ -50,7 +53,7 @@ def print_comparison(
     for name in names:
         try:
             planner = planners.load(name)
-        except InputError as error:
+        except MissingPackage as error:
             rows.append({"planner": name, "remark": str(error)})
             continue
         seconds = timeout or SECONDS

@@ -33,7 +33,7 @@ from symbolic.bilevel import NoPlan, Plan, solve
 from symbolic.environment import abstract, domain_of, problem_of, sample_tasks
 from symbolic.execution import Execution, execute
 from symbolic.files import check_output
-from symbolic.grounding import GroundProblem, Unreachable, ground
+from symbolic.grounding import GroundProblem, OutOfTime, Unreachable, ground
 from symbolic.pddl.read import read_problem
 from symbolic.pddl.write import model_names
 from symbolic.planners import Planner
@@ -102,7 +102,7 @@ def command(
     if problem is not None:
         domain = read_any_domain(model, oracle, environment)
         if compare:
-            grounded = _grounded(domain, read_problem(problem, domain, model_names(domain)))
+            grounded = _grounded(domain, read_problem(problem, domain, model_names(domain)), timeout)
             names = planner_names(compare)
             print_comparison(
                 names, grounded, plans or COMPARED_PLANS, seed or 0, MAX_NODES, timeout, None, as_json
@@ -124,7 +124,7 @@ def command(
         domain = domain_of(world, (skill.operator for skill in subject.skills.values()))
         print_comparison(
             planner_names(compare),
-            _grounded(domain, problem_of(world, drawn)),
+            _grounded(domain, problem_of(world, drawn), timeout),
             plans or COMPARED_PLANS,
             seed + number + 1,
             budget.nodes,
@@ -145,9 +145,12 @@ def _planner(name: str, no_loops: bool) -> Planner:
     return Loopless(planner) if no_loops else planner
 
 
-def _grounded(domain: Domain, problem: Problem) -> GroundProblem:
-    """Ground a problem; where there is no plan, say so and exit."""
-    grounded = ground(domain, problem)
+def _grounded(domain: Domain, problem: Problem, timeout: float | None) -> GroundProblem:
+    """Ground a problem; where there is no plan, or no time, say so and exit."""
+    grounded = ground(domain, problem, None if timeout is None else time.monotonic() + timeout)
+    if isinstance(grounded, OutOfTime):
+        click.echo("stopped by the time limit while grounding")
+        sys.exit(NOT_REFINED)
     if isinstance(grounded, Unreachable):
         click.echo(str(grounded))
         sys.exit(NO_PLAN)

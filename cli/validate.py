@@ -71,12 +71,14 @@ def command(
         _print(inputs, reports)
         for line in differ:
             click.echo(f"DISAGREE on {line}")
-        click.echo(SUMMARIES[result] + ("" if differ else _agreed(reports)))
+        click.echo(SUMMARIES[result] + ("" if differ else _agreed(reports, result)))
     sys.exit(EXIT_CODES[result])
 
 
-def _agreed(reports: list[Report]) -> str:
-    judged = [r.checker for r in reports if any(v.level in ("ok", "fault") for v in r.verdicts)]
+def _agreed(reports: list[Report], result: str) -> str:
+    """Name those that came to the result themselves."""
+    level = "fault" if result == "invalid" else "ok"
+    judged = [r.checker for r in reports if any(v.level == level for v in r.verdicts)]
     return f": {', '.join(judged)} agree" if len(judged) > 1 else ""
 
 

@@ -139,6 +139,8 @@ def _why(
         return "node limit", f"node limit of {budget.nodes} reached after {tried} abstract plans"
     if refining.samples >= budget.samples:
         return "sample limit", f"sample limit of {budget.samples} reached after {tried} abstract plans"
+    if tried == 0 and search.stopped_by:
+        return "not refined", f"stopped by the {search.stopped_by}"
     if tried == 0:
         return "no plan", "no plan exists: the whole state space was searched"
     return "not refined", f"none of {tried} abstract plans could be refined"

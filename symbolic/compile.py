@@ -86,25 +86,40 @@ def compile_problem(ground: GroundProblem) -> CompiledProblem:
     )
 
 
-def applicable_operators(problem: CompiledProblem) -> Callable[[int], list[int]]:
-    """Return a function that lists the operators applicable in a state, ascending.
+def successor_function(problem: CompiledProblem) -> Callable[[int], list[tuple[int, int]]]:
+    """Return a function that lists the operators applicable in a state, ascending, with the next state.
 
     It looks only at operators that wait for an atom of the state: each waits for its precondition that
     fewest operators share.
     """
     preconditions = [bits(o.preconditions) for o in problem.operators]
     shared = Counter(atom for atoms in preconditions for atom in atoms)
-    waiting: dict[int, list[int]] = defaultdict(list)
-    always = []
-    for number, atoms in enumerate(preconditions):
-        if atoms:
-            waiting[min(atoms, key=lambda atom: shared[atom])].append(number)
-        else:
-            always.append(number)
-    watched = sum(1 << atom for atom in waiting)
+    waiting: dict[int, list[tuple[int, int, int, int, int]]] = defaultdict(list)  # a bit, or 0 for nothing
+    for number, (atoms, o) in enumerate(zip(preconditions, problem.operators, strict=True)):
+        bit = 1 << min(atoms, key=lambda atom: shared[atom]) if atoms else 0
+        waiting[bit].append((number, o.preconditions, o.forbidden, o.keep, o.add))
+    always = waiting.pop(0, [])
+    watched = sum(waiting)
 
-    def find(state: int) -> list[int]:
-        candidates = [*always, *(number for atom in bits(state & watched) for number in waiting[atom])]
-        return sorted(number for number in candidates if problem.operators[number].applicable(state))
+    def find(state: int) -> list[tuple[int, int]]:
+        candidates = always.copy()
+        rest = state & watched
+        while rest:
+            bit = rest & -rest
+            rest ^= bit
+            candidates += waiting[bit]
+        found = [
+            (number, state & keep | add)
+            for number, needed, forbidden, keep, add in candidates
+            if state & needed == needed and not state & forbidden
+        ]
+        found.sort()
+        return found
 
     return find
+
+
+def applicable_operators(problem: CompiledProblem) -> Callable[[int], list[int]]:
+    """Return a function that lists the operators applicable in a state, ascending."""
+    successors = successor_function(problem)
+    return lambda state: [number for number, _ in successors(state)]

@@ -9,7 +9,7 @@ from typing import TypeVar
 from symbolic.checkers import Inputs, PlanSource, Verdict
 from symbolic.errors import PddlError, UnsupportedPddl
 from symbolic.pddl.plan_file import ground_steps
-from symbolic.pddl.read import PddlWarning, parse_domain, parse_problem
+from symbolic.pddl.read import MissingRequirement, PddlWarning, parse_domain, parse_problem
 from symbolic.structs import Domain, Problem
 from symbolic.validate import first_fault
 
@@ -48,7 +48,7 @@ def _read(parse: Callable[[], Value]) -> tuple[Value | None, Verdict]:
             return None, Verdict("unsupported", str(error))
         except PddlError as error:
             return None, Verdict("fault", str(error))
-    found = [str(w.message) for w in caught if issubclass(w.category, PddlWarning)]
+    found = [str(w.message) for w in caught if issubclass(w.category, MissingRequirement)]
     return value, Verdict("fault", found[0]) if found else Verdict("ok")
 
 

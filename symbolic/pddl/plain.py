@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain
 
 from symbolic.pddl.legal import Names
 from symbolic.structs import (
+    EQUAL,
     OBJECT,
     Domain,
     GroundAtom,
@@ -87,10 +89,13 @@ class _Plain:
         predicates = (*map(self.predicate, self.domain.predicates), *guards)
         wanted = {t for p in predicates for t in p.types} | {v.type for o in operators for v in o.parameters}
 
+        conditions = chain.from_iterable((*o.preconditions, *o.negative_preconditions) for o in operators)
+        compared = {term for atom in conditions if atom.predicate == EQUAL for term in atom.terms}
+
         def kept(objects: Iterable[Object]) -> tuple[Object, ...]:
             # Nothing can be said of the others, and unified-planning does not read them.
             plain = [self.object(o) for o in objects]
-            return tuple(o for o in plain if o.type != OBJECT or OBJECT in wanted)
+            return tuple(o for o in plain if o.type != OBJECT or OBJECT in wanted or o in compared)
 
         domain, problem, legal = self.domain, self.problem, self.spelling.legal
         return Domain(

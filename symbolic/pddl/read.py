@@ -11,10 +11,17 @@ from symbolic.files import read_text
 from symbolic.pddl.domains import build_domain
 from symbolic.pddl.lists import parse_lists
 from symbolic.pddl.problems import build_problem
-from symbolic.pddl.scope import PddlWarning, Scope
+from symbolic.pddl.scope import MissingRequirement, PddlWarning, Scope
 from symbolic.structs import Domain, Problem
 
-__all__ = ["PddlWarning", "parse_domain", "parse_problem", "read_domain", "read_problem"]
+__all__ = [
+    "MissingRequirement",
+    "PddlWarning",
+    "parse_domain",
+    "parse_problem",
+    "read_domain",
+    "read_problem",
+]
 
 
 def read_domain(path: Path, names: Mapping[str, str] | None = None) -> Domain:

@@ -17,6 +17,10 @@ class PddlWarning(UserWarning):
     """Something that strict readers refuse; the text carries the place."""
 
 
+class MissingRequirement(PddlWarning):
+    """A part of PDDL is used that :requirements does not name."""
+
+
 @dataclass(slots=True)
 class Scope:
     """A text with its path for messages, the spelling of names, and what has been declared so far."""
@@ -38,15 +42,15 @@ class Scope:
         message = f"unsupported PDDL: {feature}" + (f" ({what})" if what else "")
         raise pddl_error(self.text, self.path, node.start, message, UnsupportedPddl)
 
-    def warn(self, node: Node, message: str) -> None:
+    def warn(self, node: Node, message: str, kind: type[PddlWarning] = PddlWarning) -> None:
         """Warn about something that is read all the same."""
         place: PddlError = pddl_error(self.text, self.path, node.start, message)
-        warnings.warn(str(place), PddlWarning, stacklevel=2)
+        warnings.warn(str(place), kind, stacklevel=2)
 
     def need(self, node: Node, flag: str) -> None:
         """Warn where a feature is used whose requirement is missing."""
         if not self.requirements & {flag, ":adl", ":ucpop"}:
-            self.warn(node, f"{flag} is used but missing in :requirements")
+            self.warn(node, f"{flag} is used but missing in :requirements", MissingRequirement)
 
     def word(self, node: Node, what: str) -> Word:
         """Return the node if it is a word; fail otherwise."""

@@ -72,6 +72,7 @@ class About:
     proves: bool = False  # says for certain when there is no plan
     negation: bool = False  # takes negative preconditions and goals; they are compiled away for the others
     equality: bool = False  # takes (= ?x ?y); compiled away for the others
+    typing: bool = True  # takes types with subtypes; compiled away for the others
     costs: bool = False  # takes costs of ground operators that change between plans
     package: str = ""  # on PyPI; empty for our own
     extra: str = ""  # the extra of bpns that installs it
@@ -139,6 +140,8 @@ def load(name: str) -> Planner:
     except TypeError as error:
         raise InputError(f"planner '{name}' has too many or too few options after '{module}'") from error
     planner: Planner = create(*options)
+    if not hasattr(planner, "plans") or not hasattr(planner, "name"):
+        raise InputError(f"'{name}' gives no planner: what it returns needs a name and a method plans")
     return planner
 
 

@@ -25,8 +25,8 @@ from symbolic.structs import GroundOperator
 ALTERNATIVES = 20  # the PDDL grows with every plan that it forbids; then our own search is faster
 
 
-# Yields plans for a task; returns whether it is certain that there are none
-# (of interest only where none came). Raises PlannerFailed and OutOfTime.
+# Yields plans for a task; returns whether it is certain that there are no others
+# (of interest only where fewer came than asked for). Raises PlannerFailed and OutOfTime.
 Ask = Callable[[Rewritten, Limit], Generator[list[Words], None, bool]]
 
 
@@ -134,7 +134,7 @@ def more_and_more(
         while number <= MOST_ASKED_FOR:
             before, answers = len(passing.seen), ask(rewritten, number, limit)
             given, proven = yield from _useful(about, answers, rewritten, passing, limit)
-            if given < number and about.proves and (given or proven):
+            if given < number and proven:
                 return
             if given < number or len(passing.seen) == before:
                 break

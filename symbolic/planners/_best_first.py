@@ -11,10 +11,8 @@ from symbolic.compile import CompiledProblem
 from symbolic.costs import Costs
 from symbolic.heuristics import Heuristic
 from symbolic.planners import Limit, SearchRecord
-from symbolic.planners._product import Node, Path, Product, State, StoppedError
-
-_CHEAP = 16
-_DEAD_END = 10_000  # states that are looked at to find out whether one of them leads to a goal
+from symbolic.planners._levels import Levels
+from symbolic.planners._product import CHEAP, Node, Path, Product, State, StoppedError
 
 
 class _Search:
@@ -34,7 +32,7 @@ class _Search:
         """Evaluate a state if that may pay; say whether its value rose."""
         if not state.unsure:
             return False
-        if self.product.landmarks is not None and not doubtful and self.effort < _CHEAP:
+        if self.product.landmarks is not None and not doubtful and self.effort < CHEAP:
             return False
         assert isinstance(state, State)
         before = state.value
@@ -66,7 +64,7 @@ class _Search:
             self.effort += 1
             node.value = least
             if not node.alive:
-                self.can_end(node)
+                product.can_end(node)
                 path.clear()  # as it may have raised values along the path
                 node = product.root
                 continue
@@ -123,7 +121,7 @@ class _Search:
             if node.goal:
                 goal, total = node, spent
                 break
-            if not first and not node.alive and not self.can_end(node):
+            if not first and not node.alive and not product.can_end(node):
                 continue
             closed[node] = None
             for place, child in enumerate(self.product.open(node)):
@@ -148,36 +146,31 @@ class _Search:
             goal = path[-1][0]
         return path[::-1]
 
-    def can_end(self, node: Node) -> bool:
-        """Say whether a goal can be reached; if not, no value is high enough. Yes where it takes too long."""
-        assert isinstance(node, State)
-        came_from: dict[State, State | None] = {node: None}
-        queue = [(node.value, 0.0, node)]
-        while queue:
-            self.product.check()
-            _, _, now = heappop(queue)
-            if now.alive or len(came_from) > _DEAD_END:
-                touched = came_from if not now.alive else _chain(now, came_from)
-                for state in touched:
-                    state.alive = True
-                return True
-            if self.asks(now, True) and now.value == inf:
-                continue
-            for child in self.product.open(now):
-                assert isinstance(child, State)
-                if child not in came_from and child.value < inf:
-                    came_from[child] = now
-                    heappush(queue, (child.value, self.random.random(), child))
-        for state in came_from:
-            state.value = state.base = inf
-        return False
-
     def plans(self, costs: Costs | None) -> Iterator[list[int]]:
-        """Yield plans as lists of operator numbers."""
+        """Yield plans as lists of operator numbers: by ``Levels`` while all steps cost one."""
+        product = self.product
+        if product.landmarks is not None and not (costs and costs.version):
+            first = self.best()
+            if first is None:
+                return
+            given = []
+            for steps in Levels(product, self.random).plans(first):
+                yield steps
+                if costs is not None:
+                    given.append(steps)
+                    if costs.version:
+                        break
+            else:
+                return
+            for steps in given:
+                product.give(product.follow(steps))
+        yield from self.plans_by_cost(costs)
+
+    def plans_by_cost(self, costs: Costs | None) -> Iterator[list[int]]:
+        """Yield the plans that are left, whatever the costs are at each moment."""
         product = self.product
         numbers = {o.ground: i for i, o in enumerate(product.problem.operators)} if costs else {}
         version = 0
-        path: Path | None
         while True:
             self.effort = 0
             product.check()
@@ -198,14 +191,6 @@ class _Search:
             yield steps
 
 
-def _chain(state: State, came_from: dict[State, State | None]) -> list[State]:
-    """Return a state and those before it."""
-    found = [state]
-    while (before := came_from[found[-1]]) is not None:
-        found.append(before)
-    return found
-
-
 def enumerate_plans(
     problem: CompiledProblem,
     heuristic: Heuristic,
@@ -216,7 +201,9 @@ def enumerate_plans(
 ) -> Iterator[list[int]]:
     """Yield plans as lists of operator numbers, in order of cost where the heuristic is admissible.
 
-    It must be so for unit costs. ``costs`` may change between plans; without them every step costs 1.
+    It must be so for unit costs. ``costs`` may change between plans; without them every step costs 1. Until a
+    penalty is set, ``Levels`` lists the plans of our own lmcut, at little cost for each; after that, and with
+    other heuristics, each plan is searched for.
     No step leaves the abstract state as it is.
     """
     try:

@@ -44,7 +44,7 @@ def prepared(problem: GroundProblem, about: About) -> Rewritten:
     """Return a task that a planner can read. Operators without effects are left out: some refuse them."""
     operators = (o for o in problem.domain.operators if o.add_effects or o.delete_effects)
     domain = problem.domain.with_operators(operators)
-    return portable(domain, problem.problem, about.negation, about.equality)
+    return portable(domain, problem.problem, about.negation, about.equality, about.typing)
 
 
 def original_words(rewritten: Rewritten, words: Words) -> Words:

@@ -8,7 +8,7 @@ import numpy as np
 from symbolic.grounding import GroundProblem
 from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord
 
-MOST_IN_VAIN = 10_000  # where loops are possible, plans with more and more of them never end
+MOST_IN_VAIN = 1_000  # where loops are possible, plans with more and more of them never end
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Loopless:
     def plans(
         self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
     ) -> Iterator[AbstractPlan]:
-        """Yield plans; see Planner. After MOST_IN_VAIN plans with loops in a row there are no more."""
+        """Yield plans; see Planner. MOST_IN_VAIN plans with loops in a row end the search."""
         in_vain = 0
         for plan in self.planner.plans(problem, rng, limit, record):
             in_vain += 1
@@ -36,5 +36,5 @@ class Loopless:
                 in_vain = 0
                 yield plan
             elif in_vain == MOST_IN_VAIN:
-                record.remarks.append(f"the last {MOST_IN_VAIN} plans all had loops: given up")
+                record.stopped_by = f"limit of {MOST_IN_VAIN} plans with loops in a row"
                 return

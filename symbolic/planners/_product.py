@@ -6,12 +6,16 @@ So the plans not yet given are exactly the paths from the root to a goal.
 """
 
 from collections.abc import Sequence
+from heapq import heappop, heappush
 from math import inf
 from typing import TypeAlias
 
-from symbolic.compile import CompiledProblem, applicable_operators
+from symbolic.compile import CompiledProblem, successor_function
 from symbolic.heuristics import Heuristic, LmCut
 from symbolic.planners import Limit, SearchRecord
+
+CHEAP = 16  # states that are looked at before the heuristic is asked about more of them
+_DEAD_END = 10_000  # states that are looked at to find out whether one of them leads to a goal
 
 
 class StoppedError(Exception):
@@ -22,8 +26,8 @@ class State:
     """An abstract state; ``value`` is at most what the cheapest way from it to a goal costs."""
 
     __slots__ = (
-        "alive", "base", "branches", "children", "given", "goal", "mask", "operators", "origin", "parents",
-        "unsure", "value", "way",
+        "alive", "base", "branches", "children", "failures", "given", "goal", "mask", "operators", "origin",
+        "parents", "unsure", "value", "way",
     )  # fmt: skip
 
     def __init__(self, mask: int, goal: bool, value: float, origin: "tuple[State, int] | None") -> None:
@@ -33,6 +37,7 @@ class State:
         self.operators: Sequence[int] = ()
         self.children: list[Node] | None = None  # one for each operator; None until it is opened
         self.given = 0
+        self.failures = 0  # lengths of which it has no way to a goal
         self.alive = goal  # whether a goal is known to be within reach
         self.unsure = not goal  # whether the heuristic was not asked yet
         self.origin = origin  # where it was discovered, and by which operator
@@ -46,7 +51,18 @@ class State:
 class Branch:
     """A state after the first steps of given plans; ``value`` is about the plans not given yet."""
 
-    __slots__ = ("above", "base", "children", "given", "operators", "place", "rest", "state", "value")
+    __slots__ = (
+        "above",
+        "base",
+        "children",
+        "failures",
+        "given",
+        "operators",
+        "place",
+        "rest",
+        "state",
+        "value",
+    )
 
     goal = False
     alive = True
@@ -91,7 +107,7 @@ class Product:
         self.tracked = tracked  # whether costs may fall
         self.costs = [1.0] * len(problem.operators)
         self.users: list[list[tuple[State, int]]] = [[] for _ in problem.operators]
-        self.applicable = applicable_operators(problem)
+        self.successors = successor_function(problem)
         self.states: dict[int, State] = {}
         record.nodes_created += 1
         start = self.states[problem.init] = State(problem.init, problem.is_goal(problem.init), 0, None)
@@ -124,6 +140,35 @@ class Product:
             self.landmarks.inherit(state.mask, parent.mask, operator)
         state.origin = None
 
+    def can_end(self, node: Node) -> bool:
+        """Say whether a goal can be reached; if not, no value is high enough. Yes where it takes too long."""
+        if node.alive or any(child.alive for child in self.open(node)):
+            if isinstance(node, State):
+                node.alive = True
+            return True
+        assert isinstance(node, State)
+        came_from: dict[State, State | None] = {node: None}
+        queue = [(node.value, 0, node)]
+        while queue:
+            self.check()
+            _, _, now = heappop(queue)
+            if now.alive or len(came_from) > _DEAD_END:
+                for state in _chain(now, came_from) if now.alive else came_from:
+                    state.alive = True
+                return True
+            if len(came_from) > CHEAP:
+                self.evaluate(now)
+            if now.value == inf:
+                continue
+            for child in self.open(now):
+                assert isinstance(child, State)
+                if child not in came_from and child.value < inf:
+                    came_from[child] = now
+                    heappush(queue, (child.value, -len(came_from), child))
+        for state in came_from:
+            state.value = state.base = inf
+        return False
+
     def open(self, node: Node) -> list[Node]:
         """Return a node's children."""
         if node.children is None:
@@ -135,9 +180,8 @@ class Product:
     def _expand(self, state: State) -> list[Node]:
         """Apply what is applicable, but for what changes nothing."""
         self.settle(state)
-        operators, states = self.problem.operators, self.states
-        found = [(number, operators[number].apply(state.mask)) for number in self.applicable(state.mask)]
-        found = [(number, mask) for number, mask in found if mask != state.mask]
+        problem, states = self.problem, self.states
+        found = [step for step in self.successors(state.mask) if step[1] != state.mask]
         state.operators = [number for number, _ in found]
         if self.landmarks is not None:
             total, covered = self.landmarks.known(state.mask)
@@ -148,7 +192,7 @@ class Product:
         for (number, mask), bound in zip(found, bounds, strict=True):
             child = states.get(mask)
             if child is None:
-                goal = self.problem.is_goal(mask)
+                goal = problem.is_goal(mask)
                 child = states[mask] = State(mask, goal, 0 if goal else bound, (state, number))
                 self.record.nodes_created += 1
             children.append(child)
@@ -179,6 +223,16 @@ class Product:
                 state.branches = []
             state.branches.append(branch)
         return branch
+
+    def follow(self, steps: Sequence[int]) -> Path:
+        """Return the path of a plan."""
+        path: Path = []
+        node = self.root
+        for number in steps:
+            children = self.open(node)
+            path.append((node, node.operators.index(number)))
+            node = children[path[-1][1]]
+        return path
 
     def give(self, path: Path) -> None:
         """Take a plan out of those that are left: a path from the root to a goal."""
@@ -236,3 +290,11 @@ class Product:
             if bound < node.value:
                 node.value = bound
                 lowered.append(node)
+
+
+def _chain(state: State, came_from: dict[State, State | None]) -> list[State]:
+    """Return a state and those before it."""
+    found = [state]
+    while (before := came_from[found[-1]]) is not None:
+        found.append(before)
+    return found

@@ -14,6 +14,7 @@ from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
 from symbolic.planners._alternatives import one_by_one
 from symbolic.planners._foreign import OutOfTime, PlannerFailed, Words
+from symbolic.planners._program import PATIENCE
 
 ABOUT = (
     About(
@@ -28,7 +29,6 @@ ABOUT = (
         note="kairos:PRESET, in process",
     ),
 )
-PATIENCE = 300.0  # seconds where nobody set a deadline
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ class KStar:
             files = ["domain.pddl", "problem.pddl", "--symmetries", SYMMETRIES, "--search", search]
             with running("kstar", [*driver, *files], folder) as program:
                 proven = yield from read_plans(program, folder, (), limit)
-                proven = proven or program.ended() in GAVE_UP  # its search misses no plan
+                proven = proven or program.ended() in GAVE_UP  # it misses none
             if (folder / "plans.json").exists():
                 yield from _plans(folder / "plans.json")
             return proven

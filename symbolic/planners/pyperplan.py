@@ -1,7 +1,7 @@
 """pyperplan on the real PDDL text: its parser, grounder, searches and heuristics.
 
-pyperplan is GPL-3.0-or-later and is imported only here, when asked for, in a process apart. It gives one
-plan; alternatives are enumerated on the task that it grounded, by its heuristic, with our path search.
+pyperplan is GPL-3.0-or-later and is imported only here, when asked for; it runs in a process apart. It gives
+one plan; alternatives are enumerated on the task that it grounded, by its heuristic, with our path search.
 """
 
 from collections.abc import Callable, Iterator

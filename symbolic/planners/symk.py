@@ -60,7 +60,7 @@ class SymK:
             command = [sys.executable, str(self.driver), *files, "--search", search]
             with running("symk", command, folder) as program:
                 proven = yield from read_plans(program, folder, ("plan",), limit)
-                return proven or program.ended() in GAVE_UP  # its search misses no plan
+                return proven or program.ended() in GAVE_UP  # it misses none
 
 
 def create() -> SymK:

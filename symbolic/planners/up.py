@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from symbolic.errors import InputError
 from symbolic.grounding import GroundProblem
 from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
@@ -35,7 +36,7 @@ ABOUT = (
     ),
     _engine("aries", "up-aries", "MIT", extra="planners", note="searches on for ever where nothing is left"),
     _engine(
-        "tamer", "up-tamer", "free for education", extra="tamer", note="refuses subtypes; knows no time limit"
+        "tamer", "up-tamer", "free for education", extra="tamer", typing=False, note="knows no time limit"
     ),
     _engine("kairos", "up-kairos", "Apache-2.0", proves=True),
     _engine("pyperplan", "up-pyperplan", "GPL-3.0", extra="planners", negation=False, equality=False),
@@ -152,6 +153,8 @@ def create(engine: str) -> Apart:
 
     Engines that are not listed here are tried too: users can register their own in unified-planning.
     """
+    if not engine:
+        raise InputError("planner 'up:' names no engine: see 'bpns planners'")
     About("up", "", package="unified-planning", extra="up").check_installed()
     known = {about.name: about for about in ABOUT}
     about = known.get(f"up:{engine}")

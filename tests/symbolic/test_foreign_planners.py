@@ -125,12 +125,12 @@ def test_program_is_asked_again_without_its_plans(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("answers", "proven", "count"), [(0, False, 3), (0, True, 0), (1, False, 1), (1, True, 1)]
+    ("answers", "proven", "count"), [(0, False, 3), (0, True, 0), (1, False, 3), (1, True, 1)]
 )
-def test_fewer_plans_than_asked_for_are_all_but_none_is_no_proof(
+def test_fewer_plans_than_asked_for_are_all_only_if_the_planner_says_so(
     answers: int, proven: bool, count: int
 ) -> None:
-    """A top-k planner that failed without saying so gives none either."""
+    """A top-k planner that ran out of memory gives fewer as well."""
 
     def ask(task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
         plans: list[list[Words]] = [[("walk", "a", "b"), ("walk", "b", "c")]]
@@ -140,8 +140,7 @@ def test_fewer_plans_than_asked_for_are_all_but_none_is_no_proof(
     about, record = About("many", "top-k", optimal=True, proves=True), SearchRecord()
     stream = more_and_more(about, ask, 10, walk(), np.random.default_rng(0), seconds(60), record)
     assert len(list(islice(stream, 3))) == count
-    goes_on = ["many found no plan, without a proof that there are no others: astar goes on"]
-    assert record.remarks == (goes_on if count == 3 else [])
+    assert [remark.endswith("astar goes on") for remark in record.remarks] == [True] * (count == 3)
 
 
 # ------------------------------------------------------------------------------------- exit codes
