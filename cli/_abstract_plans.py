@@ -12,7 +12,7 @@ from symbolic.environment import domain_of
 from symbolic.grounding import OutOfTime, Unreachable, ground
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.pddl.write import model_names
-from symbolic.planners import Limit, Planner
+from symbolic.planners import Limit, Planner, SearchRecord
 from symbolic.planners._comparison import first_plans
 from symbolic.structs import Domain
 
@@ -37,10 +37,10 @@ def plan_problem(
     problem = read_problem(path, domain, model_names(domain))
     grounded = ground(domain, problem, deadline)
     if isinstance(grounded, Unreachable):
-        _print(planner.name, [], str(grounded), (), as_json)
+        _print(planner.name, [], str(grounded), SearchRecord(), as_json)
         sys.exit(NO_PLAN)
     if isinstance(grounded, OutOfTime):
-        _print(planner.name, [], "stopped by the time limit while grounding", (), as_json)
+        _print(planner.name, [], "stopped by the time limit while grounding", SearchRecord(), as_json)
         sys.exit(NOT_REFINED)
     enumeration = first_plans(planner, grounded, plans, seed, Limit(MAX_NODES, deadline))
     found = [[step.call for step in plan.steps] for plan in enumeration.plans]
@@ -52,23 +52,23 @@ def plan_problem(
         reason = f"stopped by the {record.stopped_by}"
     elif found:
         reason = f"there are no other plans than these {len(found)}"
-    _print(planner.name, found, reason if len(found) < plans else "", tuple(record.remarks), as_json)
+    _print(planner.name, found, reason if len(found) < plans else "", record, as_json)
     if record.fault:
         sys.exit(PLANNER_FAILED)
     if not found:
         sys.exit(NOT_REFINED if record.stopped_by else NO_PLAN)
 
 
-def _print(planner: str, found: list[list[str]], ended: str, remarks: tuple[str, ...], as_json: bool) -> None:
+def _print(planner: str, found: list[list[str]], ended: str, record: SearchRecord, as_json: bool) -> None:
+    own = len(found) if record.own is None else min(record.own, len(found))
     if as_json:
-        click.echo(
-            json.dumps({"planner": planner, "plans": found, "ended": ended, "remarks": remarks}, indent=2)
-        )
+        said = {"planner": planner, "plans": found, "its_own": own, "ended": ended, "remarks": record.remarks}
+        click.echo(json.dumps(said, indent=2))
         return
     for number, steps in enumerate(found, 1):
-        click.echo(f"; plan {number}, {len(steps)} steps, {planner}")
+        click.echo(f"; plan {number}, {len(steps)} steps, {planner if number <= own else 'astar'}")
         for step in steps:
             click.echo(step)
-    for line in (*remarks, ended):
+    for line in (*record.remarks, ended):
         if line:
             click.echo(f"; {line}" if found else line)  # a comment, so that this is a plan file

@@ -21,6 +21,7 @@ from symbolic.planners import Limit
 from symbolic.planners._comparison import Enumeration, first_plans
 from symbolic.state import Task
 
+LONGEST_NAME = 40  # commands are long
 SECONDS = 60.0  # for each planner, unless --timeout says otherwise
 
 
@@ -101,10 +102,16 @@ def _print(rows: list[dict[str, Any]], on_task: bool) -> None:
     table = Table(box=SIMPLE_HEAD)
     for column in columns:
         table.add_column(column, justify="left" if column == "planner" else "right", no_wrap=True)
-    table.add_column("remark")
     for row in rows:
-        table.add_row(*(_text(row.get(column)) for column in (*columns, "remark")))
+        table.add_row(*(_shortened(_text(row.get(column))) for column in columns))
     Console(width=max(140, Console().width), highlight=False, markup=False, emoji=False).print(table)
+    for row in rows:
+        if row.get("remark"):
+            click.echo(f"{_shortened(row['planner'])}: {row['remark']}")
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST_NAME else f"{text[: LONGEST_NAME - 3]}..."
 
 
 def _text(value: Any) -> str:

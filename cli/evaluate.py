@@ -1,6 +1,7 @@
 """Solve evaluation tasks and print a table."""
 
 import json
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
@@ -149,6 +150,8 @@ def _print(results: list[tuple[int, Result]], labels: list[str], summary: Summar
         table.add_section()
         table.add_row("mean (std)", "", str(len(results)), *cells)
     Console(width=max(160, Console().width), highlight=False, markup=False, emoji=False).print(table)
+    for remark, count in Counter(remark for _, result in results for remark in result.remarks).most_common():
+        click.echo(f"the planner in {count} tasks: {remark}")
     for index, result in results:
         if not result.executed:
             click.echo(f"not solved: {labels[index]}, seed {result.seed}, task {result.task}: {result.fault}")

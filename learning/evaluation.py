@@ -46,6 +46,7 @@ class Result:
     plan_length: int
     planning_seconds: float
     policy_seconds: float
+    remarks: tuple[str, ...] = ()  # of the planner
 
     @property
     def seconds(self) -> float:
@@ -84,6 +85,7 @@ def evaluate_task(solver: Solver, numbered: tuple[int, int, Task]) -> Result:
         length,
         sum(effort.seconds.values()),
         policy_seconds,
+        effort.remarks,
     )
 
 

@@ -55,6 +55,7 @@ class SearchRecord:
     nodes_expanded: int = 0
     stopped_by: str = ""  # empty, or "node limit", "time limit", "planner failed"
     fault: str = ""  # what a planner that failed did
+    own: int | None = None  # how many plans are the planner's own, where astar went on for it
     remarks: list[str] = field(default_factory=list)  # what else a user should know, one line each
 
 
@@ -108,6 +109,7 @@ class Planner(Protocol):
         seen before: predicates are lossy, and another order can succeed where this one fails.
         No step leaves the abstract state as it is. The stream ends when there are no more plans, or at a
         limit, or when the planner fails: ``record`` then says so. It never raises for a planner's faults.
+        Nobody else stops a planner in this process: it has to look at ``limit`` itself.
         """
         ...
 
@@ -139,10 +141,23 @@ def load(name: str) -> Planner:
         signature(create).bind(*options)
     except TypeError as error:
         raise InputError(f"planner '{name}' has too many or too few options after '{module}'") from error
-    planner: Planner = create(*options)
+    if module in names():
+        built_in: Planner = create(*options)
+        return built_in
+    return _with_checks(name, create, options)
+
+
+def _with_checks(name: str, create: Callable[..., Planner], options: Sequence[str]) -> Planner:
+    """Return a planner from elsewhere; raise InputError where the function gives none."""
+    from symbolic.planners._checked import Checked
+
+    try:
+        planner = create(*options)
+    except Exception as error:  # whatever a stranger's module does
+        raise InputError(f"planner '{name}': {type(error).__name__}: {error}") from error
     if not hasattr(planner, "plans") or not hasattr(planner, "name"):
         raise InputError(f"'{name}' gives no planner: what it returns needs a name and a method plans")
-    return planner
+    return Checked(planner)
 
 
 def _from_elsewhere(module: str, function: str) -> Callable[..., Planner]:

@@ -97,7 +97,7 @@ def goes_on(
     about: About, passing: PlanFilter, rng: np.random.Generator, limit: Limit, record: SearchRecord
 ) -> Iterator[AbstractPlan]:
     """Yield the plans that did not pass yet, found by our own search."""
-    count = len(passing.seen)
+    count = record.own = len(passing.seen)
     what = (
         f"only the first {count} plan(s) came from {about.name}" if count else f"{about.name} found no plan"
     )

@@ -5,9 +5,11 @@ finds them. Without {plan} in the command they may also be called ``sas_plan`` o
 codes are those of Fast Downward.
 """
 
+import re
 import shlex
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
+from itertools import count
 from os.path import abspath, isfile  # unlike pathlib's, it takes words too long for a name
 from pathlib import Path
 from shutil import which
@@ -19,10 +21,11 @@ from symbolic.grounding import GroundProblem
 from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
 from symbolic.planners._alternatives import one_by_one
-from symbolic.planners._foreign import Words
+from symbolic.planners._foreign import PlannerFailed, Words
 from symbolic.planners._program import read_plans, running, task_folder
 
 PLAN_FILES = ("plan", "sas_plan", "problem.pddl.soln")  # the last: pyperplan's
+WRITTEN = (*PLAN_FILES, *(f"{name}.1" for name in PLAN_FILES))
 ABOUT = (
     About(
         "command", "one plan", licence="-", note='command:"PROGRAM {domain} {problem} {plan}", any planner'
@@ -45,14 +48,25 @@ class Command:
         self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
     ) -> Iterator[AbstractPlan]:
         """Yield the program's plans, then others; see Planner."""
-        return one_by_one(ABOUT[0], self.ask, problem, rng, limit, record)
+        calls = count()
 
-    def ask(self, task: Rewritten, limit: Limit) -> Generator[list[Words], None, bool]:
-        """Run the program once; see Ask."""
+        def ask(task: Rewritten, limit: Limit) -> Generator[list[Words], None, bool]:
+            return self.ask(task, limit, first=next(calls) == 0)
+
+        return one_by_one(ABOUT[0], ask, problem, rng, limit, record)
+
+    def ask(self, task: Rewritten, limit: Limit, first: bool) -> Generator[list[Words], None, bool]:
+        """Run the program once; see Ask.
+
+        Some programs end with 0 where there is no plan. At first that is taken for a mistake in the command.
+        """
         with task_folder(task) as folder:
             command = [_filled(word, folder) for word in self.words]
             with running(Path(self.words[0]).name, command, folder) as program:
-                return (yield from read_plans(program, folder, PLAN_FILES, limit))
+                proven = yield from read_plans(program, folder, PLAN_FILES, limit)
+                if first and program.ended() == 0 and not any((folder / name).exists() for name in WRITTEN):
+                    raise PlannerFailed(f"{program.name} wrote no plan file; it is {{plan}} in the command")
+                return proven
 
 
 def _filled(word: str, folder: Path) -> str:
@@ -70,6 +84,9 @@ def create(*pieces: str) -> Command:
         words = shlex.split(text)
     except ValueError as error:
         raise InputError(f"planner 'command:{text}': {error}: give a command {how}") from error
+    for unknown in [] if "{plan}" in text else re.findall(r"\{\w+\}", text):
+        if unknown not in ("{domain}", "{problem}"):
+            raise InputError(f"planner 'command:{text}': unknown {unknown}: give a command {how}")
     for needed in ("{domain}", "{problem}"):
         if not any(needed in word for word in words):
             raise InputError(f"planner 'command:{text}' has no {needed}: give a command {how}")
