@@ -15,6 +15,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from fcntl import F_DUPFD_CLOEXEC, fcntl
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Any
 
@@ -57,8 +58,10 @@ class Worker:
                 self._from, replies = _pipe(ours, theirs)
                 os.set_blocking(self._to, False)
                 command = [sys.executable, "-P", "-c", _START, str(requests), str(replies), *paths]
+                # Some engines write into the current folder, where two at once would mix.
+                folder = ours.enter_context(TemporaryDirectory(prefix="bpns-", ignore_cleanup_errors=True))
                 self._program: Program = ours.enter_context(
-                    running(name, command, Path.cwd(), (requests, replies))
+                    running(name, command, Path(folder), (requests, replies))
                 )
         except OSError as error:
             self.end()

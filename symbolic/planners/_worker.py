@@ -81,11 +81,11 @@ def _watch_sessions() -> None:
 def _opened(request: dict[str, Any], record: SearchRecord) -> Iterator[AbstractPlan]:
     """Return a planner's plans for a problem."""
     planner = planners.load(request["planner"])
-    if isinstance(planner, Apart):
-        planner = planner.planner
+    if not isinstance(planner, Apart):  # it would start a process that starts a process ...
+        raise InputError(f"'{planner.name}' is not the name of a planner that runs apart")
     domain = parse_domain(request["domain"])
     problem = ground(domain, parse_problem(request["problem"], domain))
     assert not isinstance(problem, Unreachable)  # it was reachable over there
     seconds = request["seconds"]
     limit = Limit(request["nodes"], None if seconds is None else monotonic() + seconds)
-    return planner.plans(problem, np.random.default_rng(request["seed"]), limit, record)
+    return planner.planner.plans(problem, np.random.default_rng(request["seed"]), limit, record)

@@ -54,7 +54,8 @@ ABOUT = (
         package="pyperplan",
         extra="pyperplan",
         licence="GPL-3.0-or-later",
-        note="pyperplan:SEARCH:HEURISTIC; only astar with lmcut, hmax or blind is optimal",
+        note="pyperplan:SEARCH:HEURISTIC, with astar, wastar, gbf, ehs, bfs, ids and lmcut, hff, hadd, hmax, "
+        "hsa, landmark, blind; only astar with lmcut, hmax or blind is optimal",
     ),
 )
 

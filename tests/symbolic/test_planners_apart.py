@@ -212,3 +212,25 @@ def test_modules_of_the_current_folder_are_not_taken_for_libraries(tmp_path: Pat
     )
     assert done.stdout.startswith("walk(a, b), walk(b, c)")
     assert not list(tmp_path.glob("imported-*"))
+
+
+def test_engines_do_not_write_into_our_folder(
+    odd_prints: Apart, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    _, record = ask(odd_prints, "d")
+    own = int(process(record).split()[1])
+    assert Path(f"/proc/{own}/cwd").resolve() not in (tmp_path, ROOT)
+
+
+def test_planner_under_a_wrong_name_does_not_start_process_after_process() -> None:
+    wrong = create("prints")
+    _, record = ask(Apart(_Renamed(wrong.planner), wrong.about))
+    assert record.fault == "'astar:lmcut' is not the name of a planner that runs apart"
+
+
+class _Renamed:
+    name = "astar"
+
+    def __init__(self, planner: Any) -> None:
+        self.plans = planner.plans
