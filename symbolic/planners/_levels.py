@@ -60,11 +60,12 @@ class Levels:
         """Yield all plans as operator numbers, given the path of one of the shortest."""
         start = self.product.root
         assert isinstance(start, State)
+        yield [node.operators[place] for node, place in first]
         if start.goal:
-            yield []
             return
         length: float = len(first)
         self._lead(first)
+        self._extend(self._ways(start, len(first)))  # what was just given
         while length < inf:
             ways = self._ways(start, int(length))
             while self._extend(ways):
