@@ -13,6 +13,7 @@ from symbolic import planners
 from symbolic.heuristics import HEURISTICS
 from symbolic.planners import About
 
+
 @click.command()
 @json_option
 def command(as_json: bool) -> None:

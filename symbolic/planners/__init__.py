@@ -131,16 +131,22 @@ def load(name: str) -> Planner:
     after that. Raises InputError for unknown names and options, MissingPackage where a package is missing.
     """
     module, *options = name.split(":")
+    asked = module
     if module in names():
         create = import_module(f"symbolic.planners.{module}").create
     elif options:
-        create = _from_elsewhere(module, options.pop(0))
+        asked = f"{module}:{options.pop(0)}"
+        create = _from_elsewhere(asked)
     else:
         raise InputError(f"unknown planner '{module}' (have: {', '.join(names())}, or MODULE:FUNCTION)")
     try:
         signature(create).bind(*options)
     except TypeError as error:
-        raise InputError(f"planner '{name}' has too many or too few options after '{module}'") from error
+        form = "".join(
+            f":{p.name.upper()}" if p.default is p.empty else f"[:{p.name.upper()}]"
+            for p in signature(create).parameters.values()
+        )
+        raise InputError(f"planner '{name}' has too many or too few options: it is {asked}{form}") from error
     if module in names():
         built_in: Planner = create(*options)
         return built_in
@@ -161,13 +167,14 @@ def _with_checks(name: str, create: Callable[..., Planner], options: Sequence[st
     return planner if isinstance(planner, Apart) else Checked(planner)  # Apart checks by itself
 
 
-def _from_elsewhere(module: str, function: str) -> Callable[..., Planner]:
+def _from_elsewhere(name: str) -> Callable[..., Planner]:
     """Return a function that creates a planner from a module of the user's."""
+    module, function = name.split(":")
     try:
         create: Callable[..., Planner] = getattr(import_module(module), function)
     except Exception as error:  # whatever a stranger's module does at import
         raise InputError(
-            f"unknown planner '{module}:{function}': {type(error).__name__}: {error} "
+            f"unknown planner '{name}': {type(error).__name__}: {error} "
             f"(have: {', '.join(names())}; modules are looked for in the current folder, in PYTHONPATH and "
             "among installed packages)"
         ) from error

@@ -1,6 +1,7 @@
 """More plans: what a planner found is forbidden in the PDDL and it is asked again, or asked for more."""
 
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
 from time import monotonic
 
 import numpy as np
@@ -142,3 +143,23 @@ def more_and_more(
             passing.longest = 0
     if not record.stopped_by:
         yield from goes_on(about, passing, rng, limit, record)
+
+
+@dataclass(frozen=True, slots=True)
+class TopK:
+    """A program that gives as many plans as it is asked for."""
+
+    about: About
+    ask: AskMany
+    first: int  # how many it is asked for at first
+
+    @property
+    def name(self) -> str:
+        """How to ask for this planner."""
+        return self.about.name
+
+    def plans(
+        self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
+    ) -> Iterator[AbstractPlan]:
+        """Yield the program's plans in order of length; see Planner."""
+        return more_and_more(self.about, self.ask, self.first, problem, rng, limit, record)

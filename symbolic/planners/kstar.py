@@ -6,16 +6,13 @@ kstar-planner is GPL-3.0; it is run as a program.
 import json
 import sys
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
-
-from symbolic.grounding import GroundProblem
 from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._alternatives import more_and_more
+from symbolic.planners import About, Limit
+from symbolic.planners._alternatives import TopK
 from symbolic.planners._foreign import PlannerFailed, Words
 from symbolic.planners._program import GAVE_UP, read_plans, running, task_folder
 
@@ -39,36 +36,19 @@ SYMMETRIES = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class KStar:
-    """K* search with LM-cut and symmetries."""
-
-    binaries: Path
-
-    @property
-    def name(self) -> str:
-        """How to ask for this planner."""
-        return "kstar"
-
-    def plans(
-        self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
-    ) -> Iterator[AbstractPlan]:
-        """Yield K*'s plans in order of length; see Planner."""
-        return more_and_more(ABOUT[0], self.ask, FIRST, problem, rng, limit, record)
-
-    def ask(self, task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
-        """Run K* once; see AskMany."""
-        with task_folder(task) as folder:
-            options = f"k={number},dump_plan_files=false,json_file_to_dump=plans.json,symmetries=sym"
-            search = f"kstar(lmcut(transform=undo_to_origin()),find_unordered_plans=false,{options})"
-            driver = [sys.executable, "-B", "-m", "kstar_planner.driver.main", "--build", str(self.binaries)]
-            files = ["domain.pddl", "problem.pddl", "--symmetries", SYMMETRIES, "--search", search]
-            with running("kstar", [*driver, *files], folder) as program:
-                proven = yield from read_plans(program, folder, (), limit)
-                proven = proven or program.ended() in GAVE_UP  # it misses none
-            if (folder / "plans.json").exists():
-                yield from _plans(folder / "plans.json")
-            return proven
+def _ask(binaries: Path, task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
+    """Run K* once, with LM-cut and symmetries; see AskMany."""
+    with task_folder(task) as folder:
+        options = f"k={number},dump_plan_files=false,json_file_to_dump=plans.json,symmetries=sym"
+        search = f"kstar(lmcut(transform=undo_to_origin()),find_unordered_plans=false,{options})"
+        driver = [sys.executable, "-B", "-m", "kstar_planner.driver.main", "--build", str(binaries)]
+        files = ["domain.pddl", "problem.pddl", "--symmetries", SYMMETRIES, "--search", search]
+        with running("kstar", [*driver, *files], folder) as program:
+            proven = yield from read_plans(program, folder, (), limit)
+            proven = proven or program.ended() in GAVE_UP  # it misses none
+        if (folder / "plans.json").exists():
+            yield from _plans(folder / "plans.json")
+        return proven
 
 
 def _plans(path: Path) -> Iterator[list[Words]]:
@@ -79,10 +59,11 @@ def _plans(path: Path) -> Iterator[list[Words]]:
         raise PlannerFailed(f"kstar wrote no plans: {type(error).__name__}: {error}") from error
 
 
-def create() -> KStar:
+def create() -> TopK:
     """Return the planner; raise MissingPackage without kstar-planner."""
     ABOUT[0].check_installed()
     spec = find_spec("kstar_planner")
     assert spec is not None
     assert spec.origin is not None
-    return KStar(Path(spec.origin).parent / "builds" / "release" / "bin")
+    binaries = Path(spec.origin).parent / "builds" / "release" / "bin"
+    return TopK(ABOUT[0], partial(_ask, binaries), FIRST)

@@ -4,17 +4,14 @@ SymK is GPL-3.0; it is run as a program, from the package up-symk.
 """
 
 import sys
-from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from collections.abc import Generator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
-
-from symbolic.grounding import GroundProblem
 from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._alternatives import more_and_more
+from symbolic.planners import About, Limit
+from symbolic.planners._alternatives import TopK
 from symbolic.planners._foreign import Words
 from symbolic.planners._program import GAVE_UP, read_plans, running, task_folder
 
@@ -34,39 +31,23 @@ ABOUT = (
 FIRST = 1000  # plans come as they are found, so there is no harm in asking for many
 
 
-@dataclass(frozen=True, slots=True)
-class SymK:
-    """SymK's bidirectional top-k search."""
-
-    driver: Path
-
-    @property
-    def name(self) -> str:
-        """How to ask for this planner."""
-        return "symk"
-
-    def plans(
-        self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
-    ) -> Iterator[AbstractPlan]:
-        """Yield SymK's plans in order of length; see Planner."""
-        return more_and_more(ABOUT[0], self.ask, FIRST, problem, rng, limit, record)
-
-    def ask(self, task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
-        """Run SymK once; see AskMany."""
-        with task_folder(task) as folder:
-            selection = f"top_k(num_plans={number},dump_plans=false)"
-            search = f"symk_bd(simple=false,plan_selection={selection},bound=infinity)"
-            files = ["--plan-file", "plan", "domain.pddl", "problem.pddl"]
-            command = [sys.executable, str(self.driver), *files, "--search", search]
-            with running("symk", command, folder) as program:
-                proven = yield from read_plans(program, folder, ("plan",), limit)
-                return proven or program.ended() in GAVE_UP  # it misses none
+def _ask(driver: Path, task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
+    """Run SymK's bidirectional search once; see AskMany."""
+    with task_folder(task) as folder:
+        selection = f"top_k(num_plans={number},dump_plans=false)"
+        search = f"symk_bd(simple=false,plan_selection={selection},bound=infinity)"
+        files = ["--plan-file", "plan", "domain.pddl", "problem.pddl"]
+        command = [sys.executable, str(driver), *files, "--search", search]
+        with running("symk", command, folder) as program:
+            proven = yield from read_plans(program, folder, ("plan",), limit)
+            return proven or program.ended() in GAVE_UP  # it misses none
 
 
-def create() -> SymK:
+def create() -> TopK:
     """Return the planner; raise MissingPackage without SymK."""
     ABOUT[0].check_installed()
     spec = find_spec("up_symk")
     assert spec is not None
     assert spec.origin is not None
-    return SymK(Path(spec.origin).parent / "symk" / "fast-downward.py")
+    driver = Path(spec.origin).parent / "symk" / "fast-downward.py"
+    return TopK(ABOUT[0], partial(_ask, driver), FIRST)

@@ -6,6 +6,7 @@ in a process apart, which is kept from problem to problem.
 
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from time import monotonic
 from typing import Any
 
@@ -159,6 +160,8 @@ def create(engine: str) -> Apart:
     known = {about.name: about for about in ABOUT}
     about = known.get(f"up:{engine}")
     if about is None:
+        if close := get_close_matches(f"up:{engine}", known, 1, 0.8):
+            raise InputError(f"unknown planner 'up:{engine}' (did you mean '{close[0]}'?)")
         about = About(f"up:{engine}", "one plan", package="unified-planning", extra="up", licence="?")
     about.check_installed()
     return Apart(UnifiedPlanning(engine, about), about)

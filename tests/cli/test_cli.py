@@ -11,7 +11,6 @@ import pytest
 from PIL import Image
 
 import envs
-from cli.main import main
 from learning.demonstrations import Demonstrations, write_demonstrations
 from learning.saved import entry_of, write_model
 from learning.skills import LearnedSkill
@@ -21,23 +20,6 @@ from tests.toy import Toy
 Run = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]
 COMMANDS = ("demos", "learn", "operators", "export", "plan", "evaluate", "replay", "planners", "envs")
-
-
-@pytest.fixture
-def bpns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the program in this process; gives exit code, standard output, standard error."""
-
-    def run(*words: str | Path) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["bpns", *map(str, words)])
-        try:
-            main()
-            code = 0
-        except SystemExit as stop:
-            code = int(stop.code or 0)
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 class Faulty(Toy):

@@ -1,35 +1,15 @@
 """``bpns validate`` as a user meets it: table, JSON, exit codes."""
 
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from cli.main import main
-
 Run = Callable[..., tuple[int, str, str]]
 COVER = Path(__file__).parents[2] / "pddl_out" / "cover"
 FILES = (COVER / "domain.pddl", COVER / "p01.pddl")
 OURS = ("--checker", "bpns", "--checker", "kairos")
-
-
-@pytest.fixture
-def bpns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs the program in this process; gives exit code, standard output, standard error."""
-
-    def run(*words: str | Path) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["bpns", *map(str, words)])
-        try:
-            main()
-            code = 0
-        except SystemExit as stop:
-            code = int(stop.code or 0)
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return run
 
 
 def test_what_we_print_is_a_plan_file_and_valid(bpns: Run, tmp_path: Path) -> None:
