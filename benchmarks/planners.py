@@ -5,7 +5,7 @@ astar and pyperplan only, unless --all). Each planner gives up to --plans plans,
 promise plans in order of length must agree on the shortest length and keep the order; no plan may come
 twice; each plan must be valid for us, for kairos and (as many as --validation seconds a problem allow) for
 unified-planning. Prints a line for each planner and folder, then a summary; --out writes it as Markdown.
-Exits with 1 on any fault.
+Exits with 1 on any fault except that a planner failed, which is told and ends only its own plans.
 """
 
 import argparse
@@ -257,7 +257,12 @@ def plain(lines: Sequence[Sequence[str]]) -> str:
     )
 
 
-def document(arguments: argparse.Namespace, tables: Sequence[Sequence[Sequence[str]]], notes: str) -> str:
+def document(
+    arguments: argparse.Namespace,
+    tables: Sequence[Sequence[Sequence[str]]],
+    notes: str,
+    faults: Sequence[str],
+) -> str:
     """Return the page that --out writes."""
     command = " ".join(["python benchmarks/planners.py", *sys.argv[1:]])
     first, *others = tables
@@ -272,7 +277,10 @@ def document(arguments: argparse.Namespace, tables: Sequence[Sequence[Sequence[s
         "*solved* means within the time limit. *faults*: a plan that a validator refuses, a plan twice, a "
         "wrong order, another shortest length than the other optimal planners, or a planner that failed.\n\n"
         f"{markdown(first)}\n{notes}\n\n"
-        "Problems solved and median seconds to the first plan:\n\n" + "\n".join(turned)
+        "Problems solved and median seconds to the first plan:\n\n"
+        + "\n".join(turned)
+        + "\nFaults:\n\n"
+        + ("".join(f"* {fault}\n" for fault in faults) or "none\n")
     )
 
 
@@ -387,12 +395,13 @@ def report(
         f"{sum(c.unified_planning for c in checked.values())}."
     )
     print("\n\n".join([*map(plain, tables), notes]))
-    bad = {row: texts for row, texts in faults.items() if texts}
-    for row, texts in bad.items():
-        print(f"FAULT {row.planner} {row.case.label}: {'; '.join(texts)}")
+    told = [f"{row.planner} {row.case.label}: {'; '.join(texts)}" for row, texts in faults.items() if texts]
+    for fault in told:
+        print(f"FAULT {fault}")
     if arguments.out is not None:
-        arguments.out.write_text(document(arguments, tables, notes), encoding="utf-8")
-    sys.exit(1 if bad else 0)
+        arguments.out.write_text(document(arguments, tables, notes, told), encoding="utf-8")
+    ours = any(text != row.ended for row, texts in faults.items() for text in texts)
+    sys.exit(1 if ours else 0)
 
 
 if __name__ == "__main__":
