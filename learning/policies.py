@@ -16,11 +16,12 @@ Changing: TypeAlias = tuple[tuple[int, int], ...]  # (parameter, feature), both 
 
 
 def changing_features(data: OperatorData) -> Changing:
-    """Return the features that some segment of the operator changes: what its subgoals talk about."""
+    """Return the features that some segment changes, of objects in the effects: what subgoals talk about."""
     found: set[tuple[int, int]] = set()
     for member in data.members:
         first, last = member.segment.trajectory.states[0], member.segment.trajectory.states[-1]
-        for parameter, obj in enumerate(member.objects):
+        own = member.objects[: len(member.objects) - data.context]
+        for parameter, obj in enumerate(own):
             before, after = np.array(first[obj]), np.array(last[obj])
             if not np.allclose(before, after):
                 found |= {(parameter, int(i)) for i in np.flatnonzero(abs(before - after) > 1e-7)}
