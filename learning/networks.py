@@ -1,12 +1,16 @@
 """Trained networks at inference: numpy only, so that planning never imports torch."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array32: TypeAlias = NDArray[np.float32]
+
+Method: TypeAlias = Literal["paper", "range", "deviation"]
+
+MIN_SCALE = np.float32(1e-3)  # columns that vary less are not stretched further: rounding errors vary, too
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -17,16 +21,28 @@ class Scaling:
     scale: Array32  # (C,)
 
     @classmethod
-    def of(cls, rows: Array32) -> "Scaling":
-        """Shift by the minimum, scale by the range but at least by 1 (spec, algorithm.md section 6)."""
-        low, high = rows.min(axis=0), rows.max(axis=0)
-        return cls(low, np.maximum(high - low, np.float32(1)))
+    def of(cls, rows: Array32, method: Method = "paper") -> "Scaling":
+        """Fit a scaling to rows (B, C).
+
+        Of the paper, spec algorithm.md section 6: shift by the minimum, scale by the range but at least by 1.
+        There, features of a small range hardly differ and are learned slowly; so ``range`` is without that
+        bound, and ``deviation`` gives mean 0 and standard deviation 1.
+        """
+        if method == "deviation":
+            wide = rows.astype(np.float64)
+            shift, scale = wide.mean(axis=0).astype(np.float32), wide.std(axis=0).astype(np.float32)
+        else:
+            shift = rows.min(axis=0)
+            scale = rows.max(axis=0) - shift
+        return cls(shift, np.maximum(scale, np.float32(1) if method == "paper" else MIN_SCALE))
 
     @classmethod
-    def of_targets(cls, rows: Array32) -> "Scaling":
+    def of_targets(cls, rows: Array32, method: Method = "paper") -> "Scaling":
         """As ``of``, but with scale 0 for columns that never vary: undone, they are exactly that constant."""
-        low, high = rows.min(axis=0), rows.max(axis=0)
-        return cls(low, np.where(high > low, np.maximum(high - low, np.float32(1)), np.float32(0)))
+        scaling = cls.of(rows, method)
+        varies = rows.max(axis=0) > rows.min(axis=0)
+        shift = np.where(varies, scaling.shift, rows[0])
+        return cls(shift, np.where(varies, scaling.scale, np.float32(0)))
 
     @property
     def varying(self) -> NDArray[np.intp]:

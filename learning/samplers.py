@@ -10,10 +10,10 @@ from learning.networks import Array32, Folded, Network, Scaling
 from learning.operators import Member, OperatorData
 from learning.policies import Changing, changing_values
 from symbolic.state import Array, State
-from symbolic.structs import Object
+from symbolic.structs import Object, Variable, sort_atoms
 
 MAX_NEGATIVES = 100_000
-MAX_DRAWS = 101  # the last one is returned unseen
+MAX_DRAWS = 101  # the last one is returned even if it is rejected
 
 
 def subgoal_of(member: Member, changing: Changing) -> NDArray[np.float64]:
@@ -41,16 +41,18 @@ def discriminator_examples(
     """
     inputs, subgoals = generator_examples(data, changing)
     positives = np.hstack([inputs, subgoals])
-    rows: list[list[float]] = []
-    for member, subgoal in zip(data.members, subgoals.tolist(), strict=True):
-        for objects in _other_bindings(data, member):
-            if len(rows) < MAX_NEGATIVES:
-                rows.append([1.0, *member.segment.trajectory.states[0].vector(objects), *subgoal])
-    if not rows:
+    others: list[tuple[int, tuple[Object, ...]]] = []  # which member, and objects that are not its own
+    for number, member in enumerate(data.members):
+        if len(others) < MAX_NEGATIVES:
+            others += [(number, objects) for objects in _other_bindings(data, member)]
+    del others[MAX_NEGATIVES:]
+    if not others:
         return None
+    if len(positives) < (len(positives) + len(others)) // 2:  # rows are built only for those that are kept
+        others = [others[i] for i in np.sort(rng.choice(len(others), len(positives), replace=False))]
+    firsts = [member.segment.trajectory.states[0] for member in data.members]
+    rows = [[1.0, *firsts[number].vector(objects), *subgoals[number].tolist()] for number, objects in others]
     negatives = np.array(rows, np.float32)
-    if len(positives) < (len(positives) + len(negatives)) // 2:
-        negatives = negatives[np.sort(rng.choice(len(negatives), len(positives), replace=False))]
     labels = np.repeat(np.array([1, 0], np.float32), [len(positives), len(negatives)])
     return np.vstack([positives, negatives]), labels[:, None]
 
@@ -59,16 +61,24 @@ def _other_bindings(data: OperatorData, member: Member) -> list[tuple[Object, ..
     """Return the assignments of objects to the parameters for which the segment is no example."""
     segment = member.segment
     objects = segment.trajectory.states[0].objects
-    found = []
-    for binding in product(*([o for o in objects if o.type.is_a(v.type)] for v in data.operator.parameters)):
-        if binding != member.objects:
-            ground = data.operator.ground(binding)
-            fits = (
-                ground.add_effects <= segment.add_effects and ground.delete_effects <= segment.delete_effects
-            )
-            if not fits:
-                found.append(binding)
-    return found
+    place = {variable: number for number, variable in enumerate(data.operator.parameters)}
+    wanted: list[tuple[list[int], set[tuple[Object, ...]]]] = []  # an effect's parameters, what it may be of
+    for effects, happened in (
+        (data.operator.add_effects, segment.add_effects),
+        (data.operator.delete_effects, segment.delete_effects),
+    ):
+        for effect in sort_atoms(effects):
+            places = [
+                place[term] for term in effect.terms if isinstance(term, Variable)
+            ]  # there are no others
+            wanted.append((places, {a.objects for a in happened if a.predicate == effect.predicate}))
+    # Compared by objects alone: grounding an operator for each of thousands of bindings takes far longer.
+    return [
+        binding
+        for binding in product(*([o for o in objects if o.type.is_a(v.type)] for v in place))
+        if binding != member.objects
+        and not all(tuple([binding[i] for i in places]) in found for places, found in wanted)
+    ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

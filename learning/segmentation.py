@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from learning.tracking import Tracker
 from symbolic.environment import Environment, abstract
 from symbolic.skills import Label
 from symbolic.state import Trajectory
@@ -38,11 +39,12 @@ def segment(
     """
     contacts = [abstract(environment, s, environment.contact_predicates) for s in trajectory.states]
     segments = []
-    start, atoms = 0, abstract(environment, trajectory.states[0])
+    tracker = Tracker(environment)
+    start, atoms = 0, tracker.move_to(trajectory.states[0])
     for end in range(1, len(contacts)):
         if contacts[end] != contacts[end - 1]:
             piece = Trajectory(trajectory.states[start : end + 1], trajectory.actions[start:end])
-            final = abstract(environment, trajectory.states[end])
+            final = tracker.move_to(trajectory.states[end])
             segments.append(Segment(piece, atoms, final, labels[end - 1]))
             start, atoms = end, final
     return segments

@@ -18,7 +18,7 @@ from learning.training import (
     Loss,
     Training,
     binary_cross_entropy,
-    fit,
+    fit_members,
     gaussian_negative_log_likelihood,
     mean_squared_error,
 )
@@ -28,14 +28,14 @@ from symbolic.skills import Skill
 
 MEMBER_SEEDS = 1_000_003  # between the seeds of networks that are alike
 
-DEFAULT_POLICY = Training(5000, learning_rate=1e-2, decay=True, held_out=0.1, max_rows=2500)
-DEFAULT_GENERATOR = Training(7000, learning_rate=1e-2, decay=True, held_out=0.1)
-DEFAULT_DISCRIMINATOR = Training(1000, learning_rate=1e-2, decay=True, held_out=0.1)
+DEFAULT_POLICY = Training(1500, 3e-2, decay=True, held_out=0.1, batch=256, scaling="deviation")
+DEFAULT_GENERATOR = Training(1200, 1e-2, decay=True, held_out=0.1, batch=512, scaling="range")
+DEFAULT_DISCRIMINATOR = Training(300, 1e-2, decay=True, held_out=0.1, batch=256, scaling="deviation")
 
 
 @dataclass(frozen=True, slots=True)
 class SkillConfig:
-    """How to learn. ``full`` gives the paper's settings (spec, hyperparameters.md).
+    """How to learn. ``paper`` gives the paper's settings (spec, hyperparameters.md).
 
     By default networks are trained faster: with a high learning rate that falls, and with numbers of
     iterations that all policies and all generators share, so that learning time is bounded however many
@@ -43,18 +43,20 @@ class SkillConfig:
     """
 
     min_share: float = 0.01  # of all segments, below which an operator is dropped
+    context: bool = True  # whether operators take objects that are in contact with those of their effects
     patience: int | None = 5  # a roll-out may take this many times the longest segment's actions
     policy: Training = DEFAULT_POLICY
     generator: Training = DEFAULT_GENERATOR
     discriminator: Training = DEFAULT_DISCRIMINATOR
     generators: int = 3  # of one skill
-    policy_iterations: int | None = 24_000  # of all policies together
-    generator_iterations: int | None = 21_000  # of all generators together
+    policy_iterations: int | None = 9_000  # of all policies together
+    generator_iterations: int | None = 7_000  # of the generators of all skills together
 
     @classmethod
-    def full(cls) -> "SkillConfig":
+    def paper(cls) -> "SkillConfig":
         """Return the paper's iterations and roll-out limit."""
         return cls(
+            context=False,
             patience=None,
             policy=Training(10_000),
             generator=Training(50_000),
@@ -80,13 +82,13 @@ class _Job:
     """One network to train."""
 
     operator: int
-    part: str  # policy, generator-0, generator-1, ..., discriminator
+    part: str  # policy, generator, discriminator
     inputs: Array32
     targets: Array32
     scaling: Scaling
     loss: Loss
     training: Training
-    member: int = 0  # of several alike, each with its own initial weights
+    members: int = 1  # alike, each with its own initial weights
 
 
 def learn_skills(
@@ -107,7 +109,8 @@ def learn_skills(
     segments = [s for found in by_demonstration for s in found]
     if not segments:
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no segment")
-    operators = learn_operators(segments, config.min_share)
+    contacts = environment.contact_predicates if config.context else frozenset()
+    operators = learn_operators(segments, config.min_share, contacts)
     changing = [() if operator.given else changing_features(operator) for operator in operators]
     config = _shared_out(config, sum(operator.given is None for operator in operators))
     rng = np.random.default_rng(seed)
@@ -119,8 +122,10 @@ def learn_skills(
     ]
     fitted: dict[tuple[int, str], tuple[Fitted, Scaling]] = {}
     results = parallel_map(partial(_train, seed), jobs, workers)
-    for done, (job, result) in enumerate(zip(jobs, results, strict=True), 1):
-        fitted[job.operator, job.part] = result, job.scaling
+    for done, (job, found) in enumerate(zip(jobs, results, strict=True), 1):
+        for member, result in enumerate(found):
+            name = f"{job.part}-{member}" if job.part == "generator" else job.part
+            fitted[job.operator, name] = result, job.scaling
         progress(done, len(jobs))
     given = {skill.name: skill for skill in environment.given_skills}
     box = environment.action_low, environment.action_high
@@ -148,7 +153,7 @@ def _shared_out(config: SkillConfig, skills: int) -> SkillConfig:
     return replace(
         config,
         policy=limited(config.policy, config.policy_iterations, skills),
-        generator=limited(config.generator, config.generator_iterations, skills * config.generators),
+        generator=limited(config.generator, config.generator_iterations, skills),
     )
 
 
@@ -156,16 +161,14 @@ def _jobs(
     number: int, operator: OperatorData, changing: Changing, config: SkillConfig, rng: np.random.Generator
 ) -> Iterator[_Job]:
     inputs, actions = policy_examples(operator, changing)
-    scaling = Scaling.of_targets(actions)
+    scaling = Scaling.of_targets(actions, config.policy.scaling)
     yield _Job(number, "policy", inputs, actions, scaling, mean_squared_error, config.policy)
     if not changing:
         return
     inputs, subgoals = generator_examples(operator, changing)
-    scaling = Scaling.of_targets(subgoals)
+    scaling = Scaling.of_targets(subgoals, config.generator.scaling)
     loss = gaussian_negative_log_likelihood
-    for member in range(config.generators):
-        name = f"generator-{member}"
-        yield _Job(number, name, inputs, subgoals, scaling, loss, config.generator, member)
+    yield _Job(number, "generator", inputs, subgoals, scaling, loss, config.generator, config.generators)
     examples = discriminator_examples(operator, changing, rng)
     if examples is not None:
         labels = Scaling(np.zeros(1, np.float32), np.ones(1, np.float32))
@@ -173,23 +176,26 @@ def _jobs(
         yield _Job(number, "discriminator", *examples, labels, binary_cross_entropy, training)
 
 
-def _train(seed: int, job: _Job) -> Fitted:
+def _train(seed: int, job: _Job) -> list[Fitted]:
     """Fit the columns of the targets that vary; the others are constants that need no network."""
     varying = job.scaling.varying
     if not len(varying):
-        return Fitted(_constant(job), 0.0, 0)
+        return [Fitted(_constant(job), 0.0, 0)] * job.members
     targets = ((job.targets - job.scaling.shift)[:, varying] / job.scaling.scale[varying]).astype(np.float32)
     heads = _heads(job)
-    own_seed = seed + MEMBER_SEEDS * job.member
-    fitted = fit(job.inputs, targets, job.loss, heads * len(varying), job.training, own_seed)
+    seeds = [seed + MEMBER_SEEDS * member for member in range(job.members)]
+    members = fit_members(job.inputs, targets, job.loss, heads * len(varying), job.training, seeds)
     total = job.targets.shape[1]
     rows = np.concatenate([head * total + varying for head in range(heads)])
-    weights, biases = fitted.network.layers[-1]
-    full_weights = np.zeros((heads * total, weights.shape[1]), np.float32)
-    full_biases = np.zeros(heads * total, np.float32)
-    full_weights[rows], full_biases[rows] = weights, biases
-    layers = (*fitted.network.layers[:-1], (full_weights, full_biases))
-    return Fitted(Network(fitted.network.inputs, layers), fitted.loss, fitted.iterations)
+    found = []
+    for fitted in members:
+        weights, biases = fitted.network.layers[-1]
+        full_weights = np.zeros((heads * total, weights.shape[1]), np.float32)
+        full_biases = np.zeros(heads * total, np.float32)
+        full_weights[rows], full_biases[rows] = weights, biases
+        layers = (*fitted.network.layers[:-1], (full_weights, full_biases))
+        found.append(Fitted(Network(fitted.network.inputs, layers), fitted.loss, fitted.iterations))
+    return found
 
 
 def _heads(job: _Job) -> int:

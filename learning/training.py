@@ -1,11 +1,12 @@
-"""Fit networks: full-batch Adam on small multilayer perceptrons, in one place. The only user of torch.
+"""Fit networks: Adam on small multilayer perceptrons, in one place. The only user of torch.
 
 Rows are few and layers narrow, so that autograd and allocations would cost more than the products
 themselves: activations live in fixed buffers, one column per row of data, and the gradient of a loss by the
 outputs comes from the loss. A row of ones below each layer's activations makes biases part of the weights.
+Networks that differ only in their initial weights are fitted together, as one batched computation.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,14 +18,14 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from learning.networks import Array32, Network, Scaling
+from learning.networks import Array32, Method, Network, Scaling
 
-Loss: TypeAlias = Callable[[Tensor, Tensor], tuple[float, Tensor]]
+Loss: TypeAlias = Callable[[Tensor, Tensor], tuple[Tensor, Tensor]]
 
 BETA1, BETA2, EPSILON = 0.9, 0.999, 1e-8  # Adam's usual ones
 MIN_VARIANCE = 1e-6
-COLUMN_BLOCK = 16
-CHECK_EVERY = 10  # iterations: how often the loss on held-out rows is asked for
+CHECK_EVERY = 50  # iterations: how often the loss on other rows than the batch is asked for
+MAX_CHECKED = 500  # rows for that
 
 _relu_backward = torch.ops.aten.threshold_backward.grad_input
 
@@ -33,17 +34,19 @@ _relu_backward = torch.ops.aten.threshold_backward.grad_input
 class Training:
     """How to fit one network: at most so many iterations.
 
-    With ``decay`` the learning rate falls to zero along half a cosine. With ``held_out``, that share of the
-    rows is kept apart and the loss on it decides which weights are best; otherwise the training loss does. Of
-    more than ``max_rows`` rows a random subset is used: what small networks learn from thousands of similar
-    rows does not need all of them. ``patience`` is after how many iterations without a better loss to stop.
+    An iteration takes all rows or, of more than ``batch`` rows, that many, in a random order that is new each
+    time round. With ``decay`` the learning rate falls to zero along half a cosine. With ``held_out``, that
+    share of the rows is kept apart and the loss on it decides which weights are best; otherwise the training
+    loss does. ``scaling`` is of inputs and targets; see Scaling. ``patience`` is after how many iterations
+    without a better loss to stop.
     """
 
     iterations: int
     learning_rate: float = 1e-3
     decay: bool = False
     held_out: float = 0.0
-    max_rows: int | None = None
+    batch: int | None = None
+    scaling: Method = "paper"
     patience: int | None = None
     hidden: tuple[int, ...] = (32, 32)
 
@@ -58,40 +61,39 @@ class Fitted:
 
 
 # ------------------------------------------------------------------------------------------- losses
-# Each takes outputs and targets, both (columns, rows), and returns the loss and its gradient by the outputs.
+# Each takes outputs (members, columns, rows) and targets (columns, rows), the same for all members, and gives
+# each member's loss, (members,), and its gradient by the outputs. The dimension of members may be absent.
 
 
-def mean_squared_error(outputs: Tensor, targets: Tensor) -> tuple[float, Tensor]:
+def mean_squared_error(outputs: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
     """Mean over all entries."""
     difference = outputs - targets
-    flat = difference.view(-1)
-    return float(torch.dot(flat, flat)) / flat.numel(), difference.mul_(2 / flat.numel())
+    return difference.square().mean((-2, -1)), difference.mul_(2 / targets.numel())
 
 
-def binary_cross_entropy(outputs: Tensor, targets: Tensor) -> tuple[float, Tensor]:
+def binary_cross_entropy(outputs: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
     """Mean cross entropy of labels 0/1; outputs are logits."""
-    loss = torch.nn.functional.binary_cross_entropy_with_logits(outputs, targets)
-    return float(loss), torch.sigmoid(outputs).sub_(targets).mul_(1 / targets.numel())
+    loss = torch.nn.functional.softplus(outputs).sub_(outputs * targets).mean((-2, -1))
+    return loss, torch.sigmoid(outputs).sub_(targets).mul_(1 / targets.numel())
 
 
-def gaussian_negative_log_likelihood(outputs: Tensor, targets: Tensor) -> tuple[float, Tensor]:
+def gaussian_negative_log_likelihood(outputs: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
     """Mean over all entries; the first half of the outputs are means, the second raw variances.
 
     The variance is ELU(raw) + 1, at least 1e-6. Source: spec, algorithm.md section 7.
     """
-    size = len(targets)
-    raw = outputs[size:]
+    means, raw = outputs.chunk(2, -2)
     variance = torch.nn.functional.elu(raw).add_(1).clamp_min_(MIN_VARIANCE)
-    difference = outputs[:size] - targets
+    difference = means - targets
     ratio = difference / variance
-    square = ratio * difference
-    loss = float(torch.log(variance).add_(square).sum()) / (2 * targets.numel())
+    square = difference.mul_(ratio)
+    loss = torch.log(variance).add_(square).sum((-2, -1)).div_(2 * targets.numel())
     gradient = torch.empty_like(outputs)
-    torch.mul(ratio, 1 / targets.numel(), out=gradient[:size])
+    by_mean, by_raw = gradient.chunk(2, -2)
+    torch.mul(ratio, 1 / targets.numel(), out=by_mean)
     # d variance / d raw is 1 above zero and the variance itself below; a clamped variance does not move.
-    slope = variance.clamp_max(1).mul_(variance > MIN_VARIANCE)
-    torch.div(square.neg_().add_(1).mul_(slope), variance, out=gradient[size:])
-    gradient[size:].mul_(0.5 / targets.numel())
+    slope = variance.clamp_max(1).mul_(variance > MIN_VARIANCE).mul_(0.5 / targets.numel())
+    torch.div(square.neg_().add_(1).mul_(slope), variance, out=by_raw)
     return loss, gradient
 
 
@@ -99,67 +101,59 @@ def gaussian_negative_log_likelihood(outputs: Tensor, targets: Tensor) -> tuple[
 
 
 class _Perceptron:
-    """Parameters in one vector, activations in fixed buffers, and gradients for all rows at once.
-
-    Only the first ``learned`` rows are learned from. The buffers have a few more columns than there are rows
-    of data, up to a multiple that matrix products like; the error of all other columns is always zero.
-    """
+    """All members' parameters, (members, P), their gradients, and a batch's activations in fixed buffers."""
 
     def __init__(
-        self, inputs: Tensor, learned: int, outputs: int, hidden: tuple[int, ...], fan_in: int, seed: int
+        self, columns: int, batch: int, layers: tuple[int, ...], fan_in: int, seeds: Sequence[int]
     ) -> None:
-        sizes = [len(inputs), *hidden, outputs]
-        generator = torch.Generator().manual_seed(seed)
-        shapes = [(b, a + 1) for a, b in pairwise(sizes)]
-        self.flat = torch.empty(sum(a * b for a, b in shapes))
+        sizes, members = [columns, *layers], len(seeds)
+        self.shapes = [(b, a + 1) for a, b in pairwise(sizes)]
+        self.flat = torch.empty(members, sum(a * b for a, b in self.shapes))
         self.gradient = torch.empty_like(self.flat)
-        self.weights = self._views(self.flat, shapes)
-        self.gradients = self._views(self.gradient, shapes)
-        for layer, weights in enumerate(self.weights):  # PyTorch's default for linear layers
-            bound = 1 / sqrt(fan_in if layer == 0 else sizes[layer])
-            weights.uniform_(-bound, bound, generator=generator)
-        self.rows = inputs.shape[1]
-        columns = -(-self.rows // COLUMN_BLOCK) * COLUMN_BLOCK
-        self.activations = [torch.ones(size + 1, columns) for size in sizes[:-1]]
-        self.activations[0][:-1, : self.rows] = inputs
-        self.values = [a[:-1] for a in self.activations[1:]] + [torch.empty(outputs, columns)]
-        self.outputs = self.values[-1][:, : self.rows]
-        self.errors = [torch.zeros(size, columns) for size in sizes[1:]]
-        self.output_error = self.errors[-1][:, :learned]
-        self.values_by_row = [a[:-1].t() for a in self.activations]
-        self.weights_by_input = [w[:, :-1].t() for w in self.weights]
-        self.weight_gradients = [g[:, :-1] for g in self.gradients]
-        self.bias_gradients = [g[:, -1] for g in self.gradients]
+        self.weights, self.gradients = self.views(self.flat), self.views(self.gradient)
+        for member, seed in enumerate(seeds):
+            generator = torch.Generator().manual_seed(seed)
+            for layer, weights in enumerate(self.weights):  # PyTorch's default for linear layers
+                bound = 1 / sqrt(fan_in if layer == 0 else sizes[layer])
+                weights[member].uniform_(-bound, bound, generator=generator)
+        self.activations = [torch.ones(members, size + 1, batch) for size in sizes[1:-1]]
+        self.values = [a[:, :-1] for a in self.activations]
+        self.outputs = torch.empty(members, sizes[-1], batch)
+        self.errors = [torch.empty(members, size, batch) for size in sizes[1:-1]]
+        self.activations_by_row = [a.transpose(1, 2) for a in self.activations]
+        self.weights_by_input = [w[:, :, :-1].transpose(1, 2) for w in self.weights]
 
-    @staticmethod
-    def _views(flat: Tensor, shapes: list[tuple[int, int]]) -> list[Tensor]:
-        pieces = torch.split(flat, [a * b for a, b in shapes])
-        return [piece.view(shape) for piece, shape in zip(pieces, shapes, strict=True)]
+    def views(self, flat: Tensor) -> list[Tensor]:
+        """Return the layers' matrices within vectors, (members, out, in + 1): biases in the last column."""
+        pieces = torch.split(flat, [a * b for a, b in self.shapes], dim=1)
+        return [piece.view(len(flat), *shape) for piece, shape in zip(pieces, self.shapes, strict=True)]
 
-    def forward(self) -> Tensor:
-        """Return the outputs, (columns, rows); the buffer is reused by the next call."""
-        for weights, before, after in zip(self.weights, self.activations, self.values, strict=True):
-            torch.mm(weights, before, out=after)
-            if after is not self.values[-1]:
-                after.relu_()
-        return self.outputs
+    def predict(self, inputs: Tensor) -> Tensor:
+        """Return outputs (members, columns, rows) for any number of rows, (columns + 1, rows)."""
+        values = torch.matmul(self.weights[0], inputs)
+        for weights in self.weights[1:]:
+            values = torch.baddbmm(weights[:, :, -1:], weights[:, :, :-1], values.relu_())
+        return values
 
-    def backward(self, output_error: Tensor) -> None:
-        """Fill ``gradient`` from the loss's gradient by the outputs."""
-        self.output_error.copy_(output_error)
-        for layer in range(len(self.weights) - 1, -1, -1):
-            error = self.errors[layer]
-            torch.mm(error, self.values_by_row[layer], out=self.weight_gradients[layer])
-            torch.sum(error, 1, out=self.bias_gradients[layer])
-            if layer:
-                below = self.errors[layer - 1]
-                torch.mm(self.weights_by_input[layer], error, out=below)
-                _relu_backward(below, self.values[layer - 1], 0, grad_input=below)
+    def forward(self, inputs: Tensor) -> Tensor:
+        """Return the outputs for one batch, (members, columns + 1, B); the next call reuses the buffer."""
+        below = inputs
+        for weights, after, with_ones in zip(self.weights, self.values, self.activations, strict=False):
+            torch.bmm(weights, below, out=after)
+            after.relu_()
+            below = with_ones
+        return torch.bmm(self.weights[-1], below, out=self.outputs)
 
-    def layers(self, best: Tensor) -> list[tuple[Array32, Array32]]:
-        """Return weights and biases of every layer."""
-        views = self._views(best, [(w.shape[0], w.shape[1]) for w in self.weights])
-        return [(v[:, :-1].numpy().copy(), v[:, -1].numpy().copy()) for v in views]
+    def backward(self, inputs: Tensor, output_error: Tensor) -> None:
+        """Fill ``gradient`` from the loss's gradient by the outputs, after ``forward``."""
+        error = output_error
+        for layer in range(len(self.weights) - 1, 0, -1):
+            torch.bmm(error, self.activations_by_row[layer - 1], out=self.gradients[layer])
+            below = self.errors[layer - 1]
+            torch.bmm(self.weights_by_input[layer], error, out=below)
+            _relu_backward(below, self.values[layer - 1], 0, grad_input=below)
+            error = below
+        torch.bmm(error, inputs.transpose(1, 2), out=self.gradients[0])
 
 
 @contextmanager
@@ -175,51 +169,85 @@ def _fast_small_numbers() -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-@_fast_small_numbers()
 def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: Training, seed: int) -> Fitted:
-    """Fit a network to scaled targets; the weights with the lowest loss are kept.
+    """Fit one network; see ``fit_members``."""
+    return fit_members(inputs, targets, loss, outputs, training, (seed,))[0]
 
-    Shapes: inputs (B, C), targets (B, T); the network's last layer has ``outputs`` values. Inputs are scaled
-    here; columns that never vary get weight zero, as they carry nothing.
+
+@_fast_small_numbers()
+def fit_members(
+    inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: Training, seeds: Sequence[int]
+) -> list[Fitted]:
+    """Fit networks to scaled targets, one for each seed; of each, the weights with the lowest loss are kept.
+
+    Shapes: inputs (B, C), targets (B, T); the networks' last layer has ``outputs`` values. Inputs are scaled
+    here; columns that never vary get weight zero, as they carry nothing. The first seed chooses the rows.
     Source: spec, algorithm.md section 6.
     """
-    scaling = Scaling.of(inputs)
+    scaling = Scaling.of(inputs, training.scaling)
     varying = np.flatnonzero(inputs.max(axis=0) > inputs.min(axis=0))
-    order, learned = _chosen_rows(len(inputs), training, seed)
-    columns = torch.from_numpy(np.ascontiguousarray(scaling.apply(inputs[order])[:, varying].T))
-    wanted, held = (
-        torch.from_numpy(np.ascontiguousarray(targets[rows].T)) for rows in (order[:learned], order[learned:])
-    )
-    model = _Perceptron(columns, learned, outputs, training.hidden, inputs.shape[1], seed)
+    order, learned = _chosen_rows(len(inputs), training, seeds[0])
+    ones = np.ones((1, len(order)), np.float32)
+    columns = torch.from_numpy(np.vstack([scaling.apply(inputs[order])[:, varying].T, ones]))
+    wanted = torch.from_numpy(np.ascontiguousarray(targets[order].T))
+    size = min(training.batch or learned, learned)
+    # What a batch's loss is not enough to judge weights by: rows held out, or else some of all.
+    apart = learned < len(order) or size < learned
+    checked = slice(learned, learned + MAX_CHECKED) if learned < len(order) else slice(MAX_CHECKED)
+    judged, judged_wanted = columns[:, checked].contiguous(), wanted[:, checked].contiguous()
+    model = _Perceptron(len(varying), size, (*training.hidden, outputs), inputs.shape[1], seeds)
     adam = _Adam(model)
-    best, best_loss, best_at = model.flat.clone(), float("inf"), 0
+    batches = _batches(columns[:, :learned], wanted[:, :learned], len(seeds), size, seeds[0])
+    best, best_loss, best_at = model.flat.clone(), [float("inf")] * len(seeds), 0
     for iteration in range(training.iterations + 1):  # the spec's 0..N
-        results = model.forward()
-        value, error = loss(results[:, :learned], wanted)
-        if len(order) > learned:
-            checked = iteration % CHECK_EVERY == 0
-            value = loss(results[:, learned:], held)[0] if checked else float("inf")
-        if value < best_loss:
-            best_loss, best_at = value, iteration
-            best.copy_(model.flat)
-        elif training.patience is not None and iteration - best_at > training.patience:
+        batch, batch_wanted = next(batches)
+        values, error = loss(model.forward(batch), batch_wanted)
+        asked = not apart or iteration % CHECK_EVERY == 0 or iteration == training.iterations
+        if apart and asked:
+            values, _ = loss(model.predict(judged), judged_wanted)
+        for member, value in enumerate(values.tolist() if asked else ()):
+            if value < best_loss[member]:
+                best_loss[member], best_at = value, iteration
+                best[member].copy_(model.flat[member])
+        if training.patience is not None and iteration - best_at > training.patience:
             break
-        model.backward(error)
+        model.backward(batch, error)
         fall = 0.5 * (1 + cos(pi * iteration / training.iterations)) if training.decay else 1.0
         adam.step(training.learning_rate * fall)
-    (weights, biases), *rest = model.layers(best)
-    full = np.zeros((len(weights), inputs.shape[1]), np.float32)
-    full[:, varying] = weights
-    return Fitted(Network(scaling, ((full, biases), *rest)), best_loss, iteration + 1)
+    fitted = []
+    layers = [view.numpy() for view in model.views(best)]
+    for member, lowest in enumerate(best_loss):
+        (weights, biases), *rest = [(x[member, :, :-1].copy(), x[member, :, -1].copy()) for x in layers]
+        full = np.zeros((len(weights), inputs.shape[1]), np.float32)
+        full[:, varying] = weights
+        fitted.append(Fitted(Network(scaling, ((full, biases), *rest)), lowest, iteration + 1))
+    return fitted
+
+
+def _batches(
+    inputs: Tensor, targets: Tensor, members: int, size: int, seed: int
+) -> Iterator[tuple[Tensor, Tensor]]:
+    """Yield batches (members, columns, B) and targets (columns, B) without end, all rows in new orders.
+
+    What is left over of one time round is left out of it.
+    """
+    count = inputs.shape[1]
+    generator = torch.Generator().manual_seed(seed)
+    while True:
+        order = torch.arange(count) if size == count else torch.randperm(count, generator=generator)
+        for rows in torch.split(order, size)[: count // size]:
+            batch = inputs[:, rows].expand(members, -1, -1).contiguous(), targets[:, rows]
+            yield batch
+            while size == count:
+                yield batch
 
 
 def _chosen_rows(count: int, training: Training, seed: int) -> tuple[NDArray[np.intp], int]:
-    """Return the rows to use, in order, and how many of them are learned from; the others are held out."""
-    if training.max_rows is None and not training.held_out:
+    """Return the rows in order, and how many of them are learned from; the others are held out."""
+    if not training.held_out:
         return np.arange(count), count
-    order = np.random.default_rng(seed).permutation(count)[: training.max_rows]
-    held = min(max(1, round(training.held_out * len(order))), len(order) - 1) if training.held_out else 0
-    return order, len(order) - held
+    order = np.random.default_rng(seed).permutation(count)
+    return order, count - min(max(1, round(training.held_out * count)), count - 1)
 
 
 class _Adam:
@@ -228,6 +256,7 @@ class _Adam:
     def __init__(self, model: _Perceptron) -> None:
         self.model = model
         self.mean, self.square = torch.zeros_like(model.flat), torch.zeros_like(model.flat)
+        self.spread = torch.empty_like(model.flat)
         self.steps = 0
 
     def step(self, rate: float) -> None:
@@ -236,5 +265,9 @@ class _Adam:
         gradient = self.model.gradient
         self.mean.lerp_(gradient, 1 - BETA1)
         self.square.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
-        spread = (self.square / (1 - BETA2**self.steps)).sqrt_().add_(EPSILON)
-        self.model.flat.addcdiv_(self.mean, spread, value=-rate / (1 - BETA1**self.steps))
+        # Both moments' corrections for having begun at zero are numbers: put into the rate and EPSILON.
+        correction = sqrt(1 - BETA2**self.steps)
+        torch.sqrt(self.square, out=self.spread)
+        self.spread.add_(EPSILON * correction)
+        rate *= correction / (1 - BETA1**self.steps)
+        self.model.flat.addcdiv_(self.mean, self.spread, value=-rate)

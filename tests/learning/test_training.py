@@ -9,10 +9,12 @@ from learning.networks import Folded, Scaling
 from learning.training import (
     Loss,
     Training,
+    _batches,
     _chosen_rows,
     _Perceptron,
     binary_cross_entropy,
     fit,
+    fit_members,
     gaussian_negative_log_likelihood,
     mean_squared_error,
 )
@@ -40,8 +42,11 @@ def test_losses_and_their_gradients(loss: Loss, reference: Loss, heads: int, sca
     expected = reference(outputs, targets)
     expected.backward()  # type: ignore[union-attr]
     value, gradient = loss(outputs.detach(), targets)
-    assert value == pytest.approx(expected.item(), rel=1e-5)  # type: ignore[arg-type]
+    assert value.item() == pytest.approx(expected.item(), rel=1e-5)
     assert torch.allclose(gradient, outputs.grad, rtol=1e-6)  # type: ignore[arg-type]
+    values, gradients = loss(torch.stack([outputs.detach() + 1, outputs.detach()]), targets)  # two members
+    assert values[1].item() == pytest.approx(value.item())
+    assert torch.allclose(gradients[1], gradient)
 
 
 @pytest.mark.parametrize("hidden", [(8,), (8, 5), (7, 6, 5)])
@@ -49,23 +54,26 @@ def test_losses_and_their_gradients(loss: Loss, reference: Loss, heads: int, sca
 def test_backward_is_autograd(hidden: tuple[int, ...], rows: int) -> None:
     generator = torch.Generator().manual_seed(1)
     inputs, targets = torch.rand(4, rows, generator=generator), torch.rand(2, rows, generator=generator)
-    model = _Perceptron(inputs, rows, 2, hidden, 4, seed=0)
-    parameters = [w.clone().requires_grad_() for w in model.weights]
-    values = inputs
-    for number, weights in enumerate(parameters):
-        values = weights[:, :-1] @ values + weights[:, -1:]
-        if number < len(hidden):
-            values = values.relu()
-    torch.nn.functional.mse_loss(values, targets).backward()
-    outputs = model.forward()
-    assert torch.allclose(outputs, values, atol=1e-6)
-    model.backward(mean_squared_error(outputs, targets)[1])
-    for ours, theirs in zip(model.gradients, parameters, strict=True):
-        assert torch.allclose(ours, theirs.grad, atol=1e-6)  # type: ignore[arg-type]
+    with_ones = torch.cat([inputs, torch.ones(1, rows)]).expand(2, -1, -1).contiguous()
+    model = _Perceptron(4, rows, (*hidden, 2), 4, seeds=(0, 1))
+    outputs = model.forward(with_ones)
+    assert torch.allclose(outputs, model.predict(with_ones[0]), atol=1e-6)
+    model.backward(with_ones, mean_squared_error(outputs, targets)[1])
+    for member in range(2):
+        parameters = [w[member].clone().requires_grad_() for w in model.weights]
+        values = inputs
+        for number, weights in enumerate(parameters):
+            values = weights[:, :-1] @ values + weights[:, -1:]
+            if number < len(hidden):
+                values = values.relu()
+        torch.nn.functional.mse_loss(values, targets).backward()
+        assert torch.allclose(outputs[member], values, atol=1e-6)
+        for ours, theirs in zip(model.gradients, parameters, strict=True):
+            assert torch.allclose(ours[member], theirs.grad, atol=1e-6)  # type: ignore[arg-type]
 
 
 def test_weights_start_as_in_pytorch() -> None:
-    model = _Perceptron(torch.rand(3, 5), 5, 2, (400, 300), fan_in=9, seed=0)
+    model = _Perceptron(3, 5, (400, 300, 2), fan_in=9, seeds=(0,))
     for weights, fan_in in zip(model.weights, (9, 400, 300), strict=True):
         bound = fan_in**-0.5
         assert weights.abs().max() <= bound
@@ -83,9 +91,9 @@ def test_adam_as_in_pytorch() -> None:
     inputs, targets = rows()
     fitted = fit(inputs, targets, mean_squared_error, 2, Training(50), seed=3)
     varying = Scaling.of(inputs).apply(inputs)[:, [0, 2]]
-    start = _Perceptron(torch.from_numpy(varying.T.copy()), 200, 2, (32, 32), 3, seed=3)
+    start = _Perceptron(2, 200, (32, 32, 2), 3, seeds=(3,))
     layers = []
-    for weights in start.weights:
+    for (weights,) in start.weights:
         layer = torch.nn.Linear(weights.shape[1] - 1, weights.shape[0])
         layer.weight.data, layer.bias.data = weights[:, :-1].clone(), weights[:, -1].clone()
         layers += [layer, torch.nn.ReLU()]
@@ -154,13 +162,33 @@ def test_held_out_rows_choose_the_weights_but_teach_nothing() -> None:
     assert again.loss > 20  # had they been learned from, it would be about 14
 
 
-def test_a_part_of_many_rows_is_used() -> None:
-    order, learned = _chosen_rows(1000, Training(1, max_rows=100, held_out=0.1), 0)
-    assert len(set(order.tolist())) == 100
-    assert learned == 90
-    assert _chosen_rows(50, Training(1, max_rows=100), 0)[1] == 50
+def test_few_rows_are_held_out() -> None:
+    assert _chosen_rows(1000, Training(1, held_out=0.1), 0)[1] == 900
     assert _chosen_rows(1, Training(1, held_out=0.1), 0)[1] == 1
     assert _chosen_rows(2, Training(1, held_out=0.1), 0)[1] == 1
+
+
+def test_batches_take_each_row_once_in_a_round() -> None:
+    numbers = torch.arange(10.0)[None]
+    found = _batches(numbers, 2 * numbers, members=2, size=3, seed=0)
+    rounds = [[next(found) for _ in range(3)] for _ in range(2)]
+    for batches in rounds:
+        assert len({x for inputs, _ in batches for x in inputs[0].view(-1).tolist()}) == 9
+        assert all(torch.equal(2 * inputs[1], targets) for inputs, targets in batches)
+    assert not torch.equal(rounds[0][0][0], rounds[1][0][0])
+    everything = _batches(numbers, numbers, members=1, size=10, seed=0)
+    assert all(torch.equal(next(everything)[0][0], numbers) for _ in range(3))
+
+
+def test_batches_and_members_learn() -> None:
+    """Together, networks come out as each does alone, where the rows are the same."""
+    inputs, targets = rows()
+    training = Training(600, 1e-2, decay=True, batch=64, scaling="deviation")
+    together = fit_members(inputs, targets, mean_squared_error, 2, training, (0, 1))
+    alone = fit(inputs, targets, mean_squared_error, 2, training, seed=0)
+    assert all(fitted.loss < 1e-3 for fitted in together)
+    assert together[0].loss != together[1].loss
+    assert alone.loss == pytest.approx(together[0].loss, rel=0.2)
 
 
 def test_the_same_seed_gives_the_same_weights() -> None:
@@ -185,3 +213,6 @@ def test_scaling_of_targets_keeps_constants_exact() -> None:
     assert scaling.scale.tolist() == [0, 3]
     assert scaling.varying.tolist() == [1]
     assert Scaling.of(np.array([[0.1], [0.4]], np.float32)).scale.tolist() == [1]  # at least 1
+    assert Scaling.of(np.array([[0.1], [0.4]], np.float32), "range").scale[0] == pytest.approx(0.3)
+    standard = Scaling.of_targets(np.array([[2, 0.5], [2, 3.5]], np.float32), "deviation")
+    assert (standard.shift.tolist(), standard.scale.tolist()) == ([2, 2], [0, 1.5])
