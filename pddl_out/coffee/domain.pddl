@@ -109,14 +109,14 @@
   (:action op7
     :parameters (?x0 - cup ?x1 - cup ?x2 - pot ?x3 - gripper)
     :precondition (and
-      (cupfilled ?x0)
-      (holding ?x3 ?x2)
-      (potabovecup ?x2 ?x0)
-      (pothot ?x2)
-      (robotabovecup ?x3 ?x0))
-    :effect (and
       (cupfilled ?x1)
+      (holding ?x3 ?x2)
       (potabovecup ?x2 ?x1)
-      (robotabovecup ?x3 ?x1)
-      (not (potabovecup ?x2 ?x0))
-      (not (robotabovecup ?x3 ?x0)))))
+      (pothot ?x2)
+      (robotabovecup ?x3 ?x1))
+    :effect (and
+      (cupfilled ?x0)
+      (potabovecup ?x2 ?x0)
+      (robotabovecup ?x3 ?x0)
+      (not (potabovecup ?x2 ?x1))
+      (not (robotabovecup ?x3 ?x1)))))

@@ -28,9 +28,11 @@
 
   ; learned from 1000 demonstrations, 2449 segments
   (:action op1
-    :parameters (?x0 - door ?x1 - robot)
+    :parameters (?x0 - door ?x1 - robot ?x2 - room)
     :precondition (and
+      (doorinroom ?x0 ?x2)
       (indoorway ?x1 ?x0)
+      (inroom ?x1 ?x2)
       (touchingdoor ?x1 ?x0))
     :effect (and
       (doorisopen ?x0)
@@ -51,12 +53,15 @@
 
   ; learned from 741 demonstrations, 1449 segments
   (:action op3
-    :parameters (?x0 - door ?x1 - door ?x2 - robot)
+    :parameters (?x0 - door ?x1 - door ?x2 - robot ?x3 - room)
     :precondition (and
+      (doorinroom ?x0 ?x3)
+      (doorinroom ?x1 ?x3)
       (doorisopen ?x1)
       (doorsshareroom ?x0 ?x1)
       (doorsshareroom ?x1 ?x0)
-      (indoorway ?x2 ?x1))
+      (indoorway ?x2 ?x1)
+      (inroom ?x2 ?x3))
     :effect (and
       (indoorway ?x2 ?x0)
       (touchingdoor ?x2 ?x0)

@@ -13,7 +13,7 @@
     (robotabovebutton ?x0 - gripper ?x1 - button)
     (stickabovebutton ?x0 - stick ?x1 - button))
 
-  ; learned from 554 demonstrations, 554 segments
+  ; learned from 544 demonstrations, 544 segments
   (:action op0
     :parameters (?x0 - button ?x1 - gripper)
     :precondition (and
@@ -24,7 +24,7 @@
       (robotabovebutton ?x1 ?x0)
       (not (abovenobutton))))
 
-  ; learned from 201 demonstrations, 201 segments
+  ; learned from 191 demonstrations, 191 segments
   (:action op1
     :parameters (?x0 - button ?x1 - gripper ?x2 - stick)
     :precondition (and
@@ -39,15 +39,16 @@
 
   ; learned from 603 demonstrations, 603 segments
   (:action op2
-    :parameters (?x0 - button ?x1 - stick)
+    :parameters (?x0 - button ?x1 - stick ?x2 - gripper)
     :precondition (and
-      (abovenobutton))
+      (abovenobutton)
+      (grasped ?x2 ?x1))
     :effect (and
       (pressed ?x0)
       (stickabovebutton ?x1 ?x0)
       (not (abovenobutton))))
 
-  ; learned from 405 demonstrations, 405 segments
+  ; learned from 415 demonstrations, 415 segments
   (:action op3
     :parameters (?x0 - gripper ?x1 - stick)
     :precondition (and
@@ -57,10 +58,11 @@
       (grasped ?x0 ?x1)
       (not (handempty ?x0))))
 
-  ; learned from 154 demonstrations, 154 segments
+  ; learned from 163 demonstrations, 163 segments
   (:action op4
-    :parameters (?x0 - button ?x1 - button ?x2 - stick)
+    :parameters (?x0 - button ?x1 - button ?x2 - stick ?x3 - gripper)
     :precondition (and
+      (grasped ?x3 ?x2)
       (pressed ?x0)
       (stickabovebutton ?x2 ?x0))
     :effect (and
@@ -73,9 +75,9 @@
     :parameters (?x0 - button ?x1 - button ?x2 - gripper)
     :precondition (and
       (handempty ?x2)
-      (pressed ?x0)
-      (robotabovebutton ?x2 ?x0))
-    :effect (and
       (pressed ?x1)
-      (robotabovebutton ?x2 ?x1)
-      (not (robotabovebutton ?x2 ?x0)))))
+      (robotabovebutton ?x2 ?x1))
+    :effect (and
+      (pressed ?x0)
+      (robotabovebutton ?x2 ?x0)
+      (not (robotabovebutton ?x2 ?x1)))))
