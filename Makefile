@@ -5,7 +5,7 @@ PIP := $(BIN)/pip install --disable-pip-version-check -q -c constraints.txt
 RUN := runs/quickstart
 ENVIRONMENTS := cover doors stick_button coffee
 .DEFAULT_GOAL := help
-.PHONY: help quickstart test slow check pddl-out benchmark-environments benchmark-planners
+.PHONY: help quickstart test slow check pddl-out benchmark benchmark-planners
 
 help:
 	@echo "make quickstart          learn Cover, export PDDL, plan with pyperplan, show the result"
@@ -13,7 +13,7 @@ help:
 	@echo "make slow                the tests that take longer"
 	@echo "make check               the gates without the tests"
 	@echo "make pddl-out            make pddl_out/ again"
-	@echo "make benchmark-environments  the README's figures: four environments, three seeds; half an hour"
+	@echo "make benchmark  both presets, learned and oracle skills: makes docs/benchmark.md; hours"
 	@echo "make benchmark-planners  every planner on the problems in pddl_out and ../shared; makes docs/planners.md"
 
 .venv/bin/pip:
@@ -60,8 +60,9 @@ pddl-out: .venv/.user
 		$(BIN)/bpns export runs/pddl-out/$$e --out pddl_out/$$e --problems 10 --overwrite || exit 1; \
 	done
 
-benchmark-environments: .venv/.user
-	$(BIN)/python benchmarks/environments.py --out runs/benchmark
+benchmark: .venv/.user
+	$(PIP) -e '.[plots]'
+	$(BIN)/python benchmarks/benchmark.py
 	$(BIN)/python benchmarks/simulate.py
 	$(BIN)/python benchmarks/first_plan.py stick_button:test_buttons=10 coffee:test_cups=10 doors:rows=10:columns=10
 

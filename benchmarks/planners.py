@@ -30,7 +30,7 @@ from symbolic.grounding import GroundProblem, Unreachable, ground
 from symbolic.pddl.plan_file import parse_plan
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.planners import About, Limit, Planner
-from symbolic.planners._comparison import first_plans
+from symbolic.planners._first_plans import first_plans
 from symbolic.validate import first_fault
 
 ROOT = Path(__file__).parents[1]
