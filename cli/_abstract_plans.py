@@ -13,7 +13,7 @@ from symbolic.grounding import OutOfTime, Unreachable, ground
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.pddl.write import model_names
 from symbolic.planners import Limit, Planner, SearchRecord
-from symbolic.planners._comparison import first_plans
+from symbolic.planners._first_plans import first_plans
 from symbolic.structs import Domain
 
 MAX_NODES = 10_000_000  # memory ends about there

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import click
@@ -10,7 +10,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from cli._options import Subject
+from cli._options import Subject, progress_bar
 from symbolic import planners
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import Budget
@@ -18,7 +18,8 @@ from symbolic.errors import InputError, MissingPackage
 from symbolic.execution import execute
 from symbolic.grounding import GroundProblem
 from symbolic.planners import Limit
-from symbolic.planners._comparison import Enumeration, first_plans
+from symbolic.planners._first_plans import Enumeration, first_plans
+from symbolic.search import Strategy
 from symbolic.state import Task
 
 LONGEST_NAME = 40  # commands are long
@@ -46,25 +47,43 @@ def print_comparison(
     seed: int,
     nodes: int,
     timeout: float | None,
-    on_task: tuple[Subject, Task, Budget] | None,
+    on_task: tuple[Subject, Task, Strategy, Budget] | None,
     as_json: bool,
 ) -> None:
     """Print a row for each planner: seconds to its first and to all plans, steps, and what was refined."""
-    rows = []
-    for name in names:
+    with progress_bar("comparing") as progress:
+        rows = list(_rows(names, problem, plans, seed, nodes, timeout, on_task, progress))
+    if as_json:
+        click.echo(json.dumps(rows, indent=2))
+    else:
+        _print(rows, on_task is not None)
+
+
+def _rows(
+    names: Sequence[str],
+    problem: GroundProblem,
+    plans: int,
+    seed: int,
+    nodes: int,
+    timeout: float | None,
+    on_task: tuple[Subject, Task, Strategy, Budget] | None,
+    progress: Callable[[int, int], None],
+) -> Iterator[dict[str, Any]]:
+    for number, name in enumerate(names):
+        progress(number, len(names))
         try:
             planner = planners.load(name)
         except MissingPackage as error:
-            rows.append({"planner": name, "remark": str(error)})
+            yield {"planner": name, "remark": str(error)}
             continue
         seconds = timeout or SECONDS
         limit = Limit(nodes, time.monotonic() + seconds)
         row = _row(name, first_plans(planner, problem, plans, seed, limit), plans)
         if on_task is not None:
-            subject, task, budget = on_task
+            subject, task, strategy, budget = on_task
             started = time.monotonic()
             world = subject.environment
-            outcome = solve(world, task, subject.skills, planner, budget, seed, started + seconds)
+            outcome = solve(world, task, subject.skills, planner, budget, seed, started + seconds, strategy)
             refined = isinstance(outcome, Plan)
             row |= {
                 "refined": refined,
@@ -72,11 +91,7 @@ def print_comparison(
                 "tried": outcome.effort.abstract_plans,
                 "solve s": round(sum(outcome.effort.seconds.values()), 4),
             }
-        rows.append(row)
-    if as_json:
-        click.echo(json.dumps(rows, indent=2))
-    else:
-        _print(rows, on_task is not None)
+        yield row
 
 
 def _row(name: str, found: Enumeration, wanted: int) -> dict[str, Any]:

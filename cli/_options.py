@@ -13,7 +13,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 import envs
 from learning.saved import read_model, read_model_file
+from symbolic.adaptive import adaptive
 from symbolic.environment import Budget, Environment
+from symbolic.exhaustive import exhaustive
+from symbolic.search import Strategy
 from symbolic.skills import Skill
 
 MAX_SEED = 2**31 - 1
@@ -23,16 +26,32 @@ planner_option = click.option(
     "--planner", default="astar", show_default=True, help="See 'bpns planners'; options after colons."
 )
 plans_option = click.option(
-    "--plans", type=click.IntRange(1), help="Abstract plans to try (default: the environment's)."
+    "--plans",
+    type=click.IntRange(1),
+    help="Abstract plans to try (default: no limit; exhaustive: the environment's).",
 )
 samples_option = click.option(
-    "--samples", type=click.IntRange(1), help="Subgoals to try per step (default: the environment's)."
+    "--samples",
+    type=click.IntRange(1),
+    help="With --strategy exhaustive: subgoals to try per step (default: the environment's).",
 )
 per_plan_option = click.option(
     "--samples-per-plan",
     "per_plan",
     type=click.IntRange(1),
-    help="Samples after which a plan is given up (default: the environment's).",
+    help="With --strategy exhaustive: samples after which a plan is given up (default: the environment's).",
+)
+preset_option = click.option(
+    "--preset",
+    type=click.Choice(["default", "paper"]),
+    default="default",
+    show_default=True,
+    help="Our search or the paper's; see --strategy.",
+)
+strategy_option = click.option(
+    "--strategy",
+    type=click.Choice(["adaptive", "exhaustive"]),
+    help="How abstract plans are refined (default: adaptive; with --preset paper exhaustive, one by one).",
 )
 
 
@@ -96,17 +115,28 @@ def load_subject(model: Path | None, oracle: str | None, variant: str | None = N
     )
 
 
-def budget_of(
-    environment: Environment, plans: int | None, samples: int | None, per_plan: int | None
-) -> Budget:
-    """Return an environment's budget with the user's numbers in it."""
+def strategy_and_budget(
+    environment: Environment,
+    preset: str,
+    strategy: str | None,
+    plans: int | None,
+    samples: int | None,
+    per_plan: int | None,
+) -> tuple[str, Strategy, Budget]:
+    """Return how to search, by name and in fact, and how much, with the user's numbers in it."""
     budget = environment.budget
-    return replace(
+    name = strategy or ("adaptive" if preset == "default" else "exhaustive")
+    if name == "adaptive":
+        if samples or per_plan:
+            raise click.UsageError("--samples and --samples-per-plan go with --strategy exhaustive")
+        return name, replace(adaptive, plans=plans), budget
+    own = replace(
         budget,
         abstract_plans=plans or budget.abstract_plans,
         samples_per_step=samples or budget.samples_per_step,
         samples_per_plan=per_plan or budget.samples_per_plan,
     )
+    return name, exhaustive, own
 
 
 @contextmanager

@@ -14,7 +14,6 @@ from rich.console import Console
 from rich.table import Table
 
 from cli._options import (
-    budget_of,
     environment_option,
     json_option,
     load_subject,
@@ -22,8 +21,11 @@ from cli._options import (
     per_plan_option,
     planner_option,
     plans_option,
+    preset_option,
     progress_bar,
     samples_option,
+    strategy_and_budget,
+    strategy_option,
     timeout_option,
 )
 from learning.evaluation import Result, Solver, Summary, evaluate, summarize
@@ -54,6 +56,8 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
 @plans_option
 @samples_option
 @per_plan_option
+@preset_option
+@strategy_option
 @timeout_option
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @json_option
@@ -67,6 +71,8 @@ def command(
     plans: int | None,
     samples: int | None,
     per_plan: int | None,
+    preset: str,
+    strategy: str | None,
     timeout: float | None,
     workers: int,
     as_json: bool,
@@ -91,13 +97,8 @@ def command(
     with progress_bar("evaluating") as progress:
         for index, (subject, own) in enumerate(work):
             world = subject.environment
-            solver = Solver(
-                world,
-                subject.skills,
-                planners.load(planner),
-                budget_of(world, plans, samples, per_plan),
-                timeout,
-            )
+            name, refine, budget = strategy_and_budget(world, preset, strategy, plans, samples, per_plan)
+            solver = Solver(world, subject.skills, planners.load(planner), budget, timeout, refine)
             note = partial(_note, progress, len(results), total)
             found = evaluate(solver, own, tasks, workers, note)
             results += [(index, result) for result in found]
@@ -108,8 +109,10 @@ def command(
             key: None if isnan(mean) else {"mean": mean, "std": std}  # nan: no task to average over
             for key, (mean, std) in asdict(summary).items()
         }
-        click.echo(json.dumps({"summary": means, "tasks": rows}, indent=2, allow_nan=False))
+        how = {"preset": preset, "strategy": name}
+        click.echo(json.dumps({**how, "summary": means, "tasks": rows}, indent=2, allow_nan=False))
     else:
+        click.echo(f"search: preset {preset}, strategy {name}, planner {solver.planner.name}")
         _print(results, labels, summary)
 
 

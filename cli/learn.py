@@ -26,7 +26,13 @@ from symbolic.pddl.write import model_names
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Model folder.")
 @click.option("--environment", help="Name or MODULE:ATTRIBUTE (default: the one named in the file).")
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), help="(default: the demonstrations' own)")
-@click.option("--full", is_flag=True, help="The paper's training: all iterations, no early stop; minutes.")
+@click.option(
+    "--preset",
+    type=click.Choice(["default", "paper"]),
+    default="default",
+    show_default=True,
+    help="Context objects and short training, or the paper's operators and training, which takes minutes.",
+)
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @overwrite_option
 def command(
@@ -34,7 +40,7 @@ def command(
     out: Path,
     environment: str | None,
     seed: int | None,
-    full: bool,
+    preset: str,
     workers: int,
     overwrite: bool,
 ) -> None:
@@ -47,7 +53,7 @@ def command(
     model_names(domain_of(world, ()))  # before minutes of training: will this be fit for PDDL?
     from learning.skills import SkillConfig, learn_skills  # torch: slow to import
 
-    config = SkillConfig.full() if full else SkillConfig()
+    config = SkillConfig.paper() if preset == "paper" else SkillConfig()
     start, start_cpu = time.perf_counter(), _cpu_seconds()
     with progress_bar("training") as progress:
         learned = learn_skills(world, data, config, seed, workers, progress)
@@ -60,6 +66,7 @@ def command(
     )
     run = {
         **_program(),
+        "preset": preset,
         "settings": asdict(config),
         "seed": seed,
         "demonstrations": {"seed": data.seed, "asked": data.asked, "given": count},

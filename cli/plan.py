@@ -16,7 +16,6 @@ from cli._options import (
     NOT_REFINED,
     PLANNER_FAILED,
     Subject,
-    budget_of,
     environment_option,
     json_option,
     load_subject,
@@ -24,7 +23,10 @@ from cli._options import (
     per_plan_option,
     planner_option,
     plans_option,
+    preset_option,
     samples_option,
+    strategy_and_budget,
+    strategy_option,
     timeout_option,
 )
 from envs._animation import animation_format, write_animation
@@ -37,7 +39,7 @@ from symbolic.grounding import GroundProblem, OutOfTime, Unreachable, ground
 from symbolic.pddl.read import read_problem
 from symbolic.pddl.write import model_names
 from symbolic.planners import Planner
-from symbolic.planners._loopless import Loopless
+from symbolic.planners._loopless import loopless
 from symbolic.refinement import DeadEnd
 from symbolic.state import Task
 from symbolic.structs import Domain, GroundAtom, Problem, sort_atoms
@@ -64,6 +66,8 @@ EXIT_CODES = {"unreachable": NO_PLAN, "no plan": NO_PLAN, "planner failed": PLAN
 @plans_option
 @samples_option
 @per_plan_option
+@preset_option
+@strategy_option
 @timeout_option
 @click.option("--show", type=click.Path(path_type=Path), help="Write an animation: .gif, .webp or .png.")
 @json_option
@@ -80,6 +84,8 @@ def command(
     plans: int | None,
     samples: int | None,
     per_plan: int | None,
+    preset: str,
+    strategy: str | None,
     timeout: float | None,
     show: Path | None,
     as_json: bool,
@@ -91,9 +97,11 @@ def command(
     plans (default 10) of several planners. Exits with 11 if no plan exists, 12 if none was refined within the
     limits, 32 if the planner failed.
     """
-    if problem is not None and (task is not None or show is not None or samples or per_plan):
+    refining = samples or per_plan or strategy or preset != "default"
+    if problem is not None and (task is not None or show is not None or refining):
         raise click.UsageError(
-            "--task, --samples, --samples-per-plan and --show need a task: leave --problem out"
+            "--task, --show, --preset, --strategy, --samples and --samples-per-plan need a task: "
+            "leave --problem out"
         )
     if problem is None and model is not None and model.suffix == ".pddl":
         raise click.UsageError("a domain file has no skills: give --problem too, or a model folder")
@@ -114,7 +122,7 @@ def command(
         return
     subject = load_subject(model, oracle, environment)
     world = subject.environment
-    budget = budget_of(world, plans, samples, per_plan)
+    _, refine, budget = strategy_and_budget(world, preset, strategy, plans, samples, per_plan)
     number, seed = task or 0, subject.seed if seed is None else seed
     if show is not None:
         animation_format(show)
@@ -129,20 +137,19 @@ def command(
             seed + number + 1,
             budget.nodes,
             timeout,
-            (subject, drawn, budget_of(world, None, samples, per_plan)),
+            (subject, drawn, *strategy_and_budget(world, preset, strategy, None, samples, per_plan)[1:]),
             as_json,
         )
         return
     deadline = None if timeout is None else time.monotonic() + timeout
-    outcome = solve(
-        world, drawn, subject.skills, _planner(planner, no_loops), budget, seed + number + 1, deadline
-    )
+    chosen = _planner(planner, no_loops)
+    outcome = solve(world, drawn, subject.skills, chosen, budget, seed + number + 1, deadline, refine)
     _report(outcome, subject, drawn, f"task {number} of seed {seed} in {subject.asked}", show, as_json)
 
 
 def _planner(name: str, no_loops: bool) -> Planner:
     planner = planners.load(name)
-    return Loopless(planner) if no_loops else planner
+    return loopless(planner) if no_loops else planner
 
 
 def _grounded(domain: Domain, problem: Problem, timeout: float | None) -> GroundProblem:

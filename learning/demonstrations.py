@@ -17,6 +17,7 @@ from symbolic.bilevel import NoPlan, solve
 from symbolic.environment import Environment, sample_tasks
 from symbolic.errors import InputError
 from symbolic.execution import execute
+from symbolic.exhaustive import exhaustive
 from symbolic.files import replacing
 from symbolic.skills import Label
 from symbolic.state import State, Task, Trajectory
@@ -53,7 +54,15 @@ def demonstrate(environment: Environment, seed: int, numbered: tuple[int, Task])
     """
     index, task = numbered
     skills = {skill.operator.name: skill for skill in environment.oracle_skills}
-    plan = solve(environment, task, skills, planners.load("astar"), environment.budget, seed + index + 1)
+    plan = solve(
+        environment,
+        task,
+        skills,
+        planners.load("astar"),
+        environment.budget,
+        seed + index + 1,
+        strategy=exhaustive,
+    )
     if isinstance(plan, NoPlan):
         return plan.text
     execution = execute(environment, task, plan, whole=True)

@@ -8,11 +8,13 @@ from time import monotonic
 from typing import Any
 
 from learning.parallel import parallel_map
+from symbolic.adaptive import adaptive
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import Budget, Environment, sample_tasks
 from symbolic.execution import execute
 from symbolic.planners import Planner
 from symbolic.refinement import DeadEnd
+from symbolic.search import Strategy
 from symbolic.skills import Skill
 from symbolic.state import Task
 
@@ -26,6 +28,7 @@ class Solver:
     planner: Planner
     budget: Budget
     timeout: float | None = None  # seconds per task
+    strategy: Strategy = adaptive
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +62,14 @@ def evaluate_task(solver: Solver, numbered: tuple[int, int, Task]) -> Result:
     seed, index, task = numbered
     deadline = None if solver.timeout is None else monotonic() + solver.timeout
     outcome = solve(
-        solver.environment, task, solver.skills, solver.planner, solver.budget, seed + index + 1, deadline
+        solver.environment,
+        task,
+        solver.skills,
+        solver.planner,
+        solver.budget,
+        seed + index + 1,
+        deadline,
+        solver.strategy,
     )
     refined = isinstance(outcome, Plan)
     if isinstance(outcome, Plan):

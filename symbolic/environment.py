@@ -35,7 +35,7 @@ class Budget:
 
     abstract_plans: int
     samples_per_step: int
-    samples_per_plan: int = 1000
+    samples_per_plan: int = 1000  # this and those before: of the exhaustive strategy
     samples: int = 20_000
     nodes: int = 500_000
 

@@ -105,28 +105,40 @@ class Refiner:
         key = _Attempt(state, actions, skill.operator, numbers, self.expected[step + 1])
         found = self.record.known.get(key)
         if found is None:
-            found = self.carry_out(skill, subgoal, key)
+            expected = self.expected[step + 1]
+            found = carry_out(self.environment, skill, state, actions, subgoal, expected)
             if self.record.kept_states < MOST_KEPT_STATES:
                 self.record.known[key] = found
                 self.record.kept_states += 0 if isinstance(found, str) else len(found.trajectory.states)
         return found
 
-    def carry_out(self, skill: GroundSkill, subgoal: Array, given: _Attempt) -> RefinedStep | str:
-        """Roll a skill out; return the step, or why it is a dead end."""
-        left = self.environment.horizon - given.actions
-        most = min(self.environment.rollout_limit, left + 1)  # one more than fits shows that it does not fit
-        rollout = skill.roll_out(self.environment, given.state, subgoal, most)
-        if isinstance(rollout, NotInitiable):
-            return "not initiable"
-        if isinstance(rollout, Failed):
-            return f"failure: {rollout.reason}"
-        trajectory = rollout.trajectory
-        if not trajectory.actions:
-            return "over before it began"
-        if len(trajectory.actions) > left:
-            return "horizon"
-        last = trajectory.states[-1]
-        missing = [a for a in given.expected if not holds(self.environment, a, last)]
-        if missing:
-            return f"missing {', '.join(map(str, sort_atoms(missing)))}{' (stuck)' if rollout.stuck else ''}"
-        return RefinedStep(skill, subgoal, trajectory)
+
+def carry_out(
+    environment: Environment,
+    skill: GroundSkill,
+    state: State,
+    actions: int,
+    subgoal: Array,
+    expected: frozenset[GroundAtom],
+) -> RefinedStep | str:
+    """Roll a skill out after so many actions; return the step, or why it is a dead end.
+
+    It is one unless the ``expected`` atoms hold afterwards. Source: spec, algorithm.md section 8.
+    """
+    left = environment.horizon - actions
+    most = min(environment.rollout_limit, left + 1)  # one more than fits shows that it does not fit
+    rollout = skill.roll_out(environment, state, subgoal, most)
+    if isinstance(rollout, NotInitiable):
+        return "not initiable"
+    if isinstance(rollout, Failed):
+        return f"failure: {rollout.reason}"
+    trajectory = rollout.trajectory
+    if not trajectory.actions:
+        return "over before it began"
+    if len(trajectory.actions) > left:
+        return "horizon"
+    last = trajectory.states[-1]
+    missing = [a for a in expected if not holds(environment, a, last)]
+    if missing:
+        return f"missing {', '.join(map(str, sort_atoms(missing)))}{' (stuck)' if rollout.stuck else ''}"
+    return RefinedStep(skill, subgoal, trajectory)

@@ -11,6 +11,7 @@ from symbolic.contract.behaviour import classifier_fault, transition
 from symbolic.contract.findings import Remark, Remarks, fault, kind_of
 from symbolic.environment import Environment, sample_tasks
 from symbolic.execution import execute
+from symbolic.exhaustive import exhaustive
 from symbolic.refinement import RefinedStep
 from symbolic.skills import Rollout
 from symbolic.state import Array, Task
@@ -29,7 +30,7 @@ def oracle_plans(environment: Environment, count: int, seed: int) -> Remarks:
     used: set[str] = set()
     for number, task in enumerate(sample_tasks(environment, "train", count, seed)):
         where = f"train task {number}"
-        found = solve(environment, task, skills, planner, environment.budget, seed, deadline)
+        found = solve(environment, task, skills, planner, environment.budget, seed, deadline, exhaustive)
         if isinstance(found, NoPlan):
             unsolved.append(f"{where}: {_why(found)}")
             continue

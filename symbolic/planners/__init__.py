@@ -6,10 +6,11 @@ from importlib import import_module, metadata
 from inspect import signature
 from pathlib import Path
 from time import monotonic
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from symbolic.costs import Costs
 from symbolic.errors import InputError, MissingPackage
 from symbolic.grounding import GroundProblem
 from symbolic.structs import GroundAtom, GroundOperator
@@ -111,6 +112,22 @@ class Planner(Protocol):
         limit, or when the planner fails: ``record`` then says so. It never raises for a planner's faults.
         Nobody else stops a planner in this process: it has to look at ``limit`` itself.
         """
+        ...
+
+
+@runtime_checkable
+class CostPlanner(Planner, Protocol):
+    """A planner that takes costs of ground operators, which may change while plans are taken from it."""
+
+    def plans_at(
+        self,
+        problem: GroundProblem,
+        rng: np.random.Generator,
+        limit: Limit,
+        record: SearchRecord,
+        costs: Costs,
+    ) -> Iterator[AbstractPlan]:
+        """Yield abstract plans as ``plans`` does, the cheapest by the costs of each moment next."""
         ...
 
 

@@ -1,7 +1,7 @@
 """More plans: what a planner found is forbidden in the PDDL and it is asked again, or asked for more."""
 
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import monotonic
 
 import numpy as np
@@ -11,7 +11,7 @@ from symbolic.pddl.forbid import forbid
 from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
 from symbolic.planners._foreign import (
-    OutOfTime,
+    DeadlinePassed,
     PlanFilter,
     PlannerFailed,
     Words,
@@ -27,7 +27,7 @@ ALTERNATIVES = 20  # the PDDL grows with every plan that it forbids; then our ow
 
 
 # Yields plans for a task; returns whether it is certain that there are no others
-# (of interest only where fewer came than asked for). Raises PlannerFailed and OutOfTime.
+# (of interest only where fewer came than asked for). Raises PlannerFailed and DeadlinePassed.
 Ask = Callable[[Rewritten, Limit], Generator[list[Words], None, bool]]
 
 
@@ -87,7 +87,7 @@ def _useful(
             yield found
             since = monotonic()
         elif limit.late:
-            raise OutOfTime
+            raise DeadlinePassed
         elif limit.deadline is None and monotonic() > since + PATIENCE:
             raise PlannerFailed(
                 f"{about.name} gave no new plan within {PATIENCE:.0f} s (--timeout changes that)"
@@ -150,7 +150,7 @@ class TopK:
     """A program that gives as many plans as it is asked for."""
 
     about: About
-    ask: AskMany
+    ask: AskMany = field(compare=False)
     first: int  # how many it is asked for at first
 
     @property

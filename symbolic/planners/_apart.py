@@ -25,7 +25,7 @@ from symbolic.grounding import GroundProblem
 from symbolic.pddl.write import write_domain, write_problem
 from symbolic.planners import About, AbstractPlan, Limit, Planner, SearchRecord
 from symbolic.planners._foreign import (
-    OutOfTime,
+    DeadlinePassed,
     PlanFilter,
     PlannerFailed,
     original_words,
@@ -68,7 +68,7 @@ class Worker:
             raise PlannerFailed(f"{name} cannot be started: {error.strerror or error}") from error
 
     def ask(self, request: dict[str, Any], limit: Limit) -> dict[str, Any]:
-        """Send a request, return the reply; raise OutOfTime, or PlannerFailed where the process is gone."""
+        """Send a request, return the reply; raise DeadlinePassed, PlannerFailed where the process is gone."""
         left = PATIENCE if limit.deadline is None else limit.deadline - monotonic() + GRACE
         until = monotonic() + left
         waiting = (json.dumps(request) + "\n").encode()
@@ -83,7 +83,7 @@ class Worker:
             if self._program.ended() is not None:
                 raise PlannerFailed(self._program.how_it_ended())
             if monotonic() > until and limit.deadline is not None:
-                raise OutOfTime
+                raise DeadlinePassed
             if monotonic() > until:
                 raise PlannerFailed(
                     f"{self._program.name} gave no plan within {PATIENCE:.0f} s (--timeout changes that)"
@@ -201,7 +201,7 @@ class Apart:
                 worker.ask({"leave": True}, limit)
             except PlannerFailed:  # it died in the meantime
                 worker.end()
-            except OutOfTime:
+            except DeadlinePassed:
                 worker.end()
                 raise
             else:

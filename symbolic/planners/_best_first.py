@@ -12,7 +12,9 @@ from symbolic.costs import Costs
 from symbolic.heuristics import Heuristic
 from symbolic.planners import Limit, SearchRecord
 from symbolic.planners._levels import Levels
-from symbolic.planners._product import CHEAP, Node, Path, Product, State, StoppedError
+from symbolic.planners._product import CHEAP, EnoughError, Node, Path, Product, State, StoppedError
+
+EXPLORE_AFTER = 1000  # states opened since costs change: fewer are no reason to look at all there are
 
 
 class _Search:
@@ -47,12 +49,13 @@ class _Search:
         while not node.goal:
             children = node.children if node.children is not None else product.open(node)
             place = node.way
-            if place >= 0 and costs[node.operators[place]] + children[place].value <= node.value:
+            extra = node.extra
+            if place >= 0 and extra + costs[node.operators[place]] + children[place].value <= node.value:
                 path.append((node, place))
                 node = children[place]
                 continue
             product.check()
-            totals = [costs[o] + c.value for o, c in zip(node.operators, children, strict=True)]
+            totals = [extra + costs[o] + c.value for o, c in zip(node.operators, children, strict=True)]
             least = min(totals, default=inf)
             if least <= node.value < inf:
                 place = self.choose(node, [i for i, total in enumerate(totals) if total <= node.value])
@@ -124,6 +127,7 @@ class _Search:
             if not first and not node.alive and not product.can_end(node):
                 continue
             closed[node] = None
+            spent += node.extra
             for place, child in enumerate(self.product.open(node)):
                 cost = spent + costs[node.operators[place]]
                 if cost < reached.get(child, inf):
@@ -137,7 +141,8 @@ class _Search:
         for node in reversed(closed):  # where the way on from one of them costs more, say so
             assert node.children is not None
             ways = zip(node.operators, node.children, strict=True)
-            node.value = max(node.value, min([costs[o] + c.value for o, c in ways], default=inf))
+            least = min([costs[o] + c.value for o, c in ways], default=inf)
+            node.value = max(node.value, node.extra + least)
         if goal is None:
             return None
         path: Path = []
@@ -145,6 +150,14 @@ class _Search:
             path.append(came_from[goal])
             goal = path[-1][0]
         return path[::-1]
+
+    def next(self) -> Path | None:
+        """Return the cheapest path to a goal; None where there is none."""
+        root = self.product.root
+        path = None if isinstance(root, State) else self.next_alike()
+        while path is None and self.product.space is not None and root.value < inf:
+            path = self.next_alike()  # values are exact but for plans just given: they rise quickly
+        return self.best() if path is None and root.value < inf else path
 
     def plans(self, costs: Costs | None) -> Iterator[list[int]]:
         """Yield plans as lists of operator numbers: by ``Levels`` while all steps cost one."""
@@ -171,16 +184,28 @@ class _Search:
         product = self.product
         numbers = {o.ground: i for i, o in enumerate(product.problem.operators)} if costs else {}
         version = 0
+        patience = product.record.nodes_expanded + EXPLORE_AFTER if costs else inf
         while True:
             self.effort = 0
             product.check()
             if costs is not None and costs.version > version:
                 changed = [o for o in costs.changed_since(version) if o in numbers]
                 product.change({numbers[o]: costs.of(o) for o in changed})
+                for prefix in costs.prefixes_changed_since(version):
+                    if all(o in numbers for o in prefix):
+                        product.penalize([numbers[o] for o in prefix], costs.of_prefix(prefix))
                 version = costs.version
-            path = None if isinstance(product.root, State) else self.next_alike()
-            if path is None:
-                path = self.best()
+                if product.space is not None:
+                    product.measure()
+            product.patience = patience
+            try:
+                path = self.next()
+            except EnoughError:
+                patience = inf
+                product.explore()
+                continue
+            finally:
+                product.patience = inf
             if path is None:
                 return
             for node, place in path:

@@ -19,7 +19,7 @@ class PlannerFailed(Exception):
     """A planner broke its promise: it crashed, or wrote something that is no plan. The text is one line."""
 
 
-class OutOfTime(Exception):
+class DeadlinePassed(Exception):
     """The deadline passed while a planner was at work."""
 
 
@@ -30,7 +30,7 @@ def recorded(record: SearchRecord) -> Iterator[None]:
         yield
     except PlannerFailed as failure:
         record.stopped_by, record.fault = "planner failed", one_line(str(failure))
-    except OutOfTime:
+    except DeadlinePassed:
         record.stopped_by = "time limit"
 
 

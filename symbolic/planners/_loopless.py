@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symbolic.costs import Costs
 from symbolic.grounding import GroundProblem
-from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord
+from symbolic.planners import AbstractPlan, CostPlanner, Limit, Planner, SearchRecord
 
 MOST_IN_VAIN = 1_000  # where loops are possible, plans with more and more of them never end
 
@@ -29,12 +30,39 @@ class Loopless:
         self, problem: GroundProblem, rng: np.random.Generator, limit: Limit, record: SearchRecord
     ) -> Iterator[AbstractPlan]:
         """Yield plans; see Planner. MOST_IN_VAIN plans with loops in a row end the search."""
-        in_vain = 0
-        for plan in self.planner.plans(problem, rng, limit, record):
-            in_vain += 1
-            if len(set(plan.atoms)) == len(plan.atoms):
-                in_vain = 0
-                yield plan
-            elif in_vain == MOST_IN_VAIN:
-                record.stopped_by = f"limit of {MOST_IN_VAIN} plans with loops in a row"
-                return
+        return _without_loops(self.planner.plans(problem, rng, limit, record), record)
+
+
+@dataclass(frozen=True, slots=True)
+class LooplessAtCosts(Loopless):
+    """The same of a planner that takes costs."""
+
+    planner: CostPlanner
+
+    def plans_at(
+        self,
+        problem: GroundProblem,
+        rng: np.random.Generator,
+        limit: Limit,
+        record: SearchRecord,
+        costs: Costs,
+    ) -> Iterator[AbstractPlan]:
+        """Yield plans; see CostPlanner."""
+        return _without_loops(self.planner.plans_at(problem, rng, limit, record, costs), record)
+
+
+def loopless(planner: Planner) -> Loopless:
+    """Return a planner that gives another's plans without loops."""
+    return LooplessAtCosts(planner) if isinstance(planner, CostPlanner) else Loopless(planner)
+
+
+def _without_loops(plans: Iterator[AbstractPlan], record: SearchRecord) -> Iterator[AbstractPlan]:
+    in_vain = 0
+    for plan in plans:
+        in_vain += 1
+        if len(set(plan.atoms)) == len(plan.atoms):
+            in_vain = 0
+            yield plan
+        elif in_vain == MOST_IN_VAIN:
+            record.stopped_by = f"limit of {MOST_IN_VAIN} plans with loops in a row"
+            return

@@ -13,6 +13,7 @@ from typing import TypeAlias
 from symbolic.compile import CompiledProblem, successor_function
 from symbolic.heuristics import Heuristic, LmCut
 from symbolic.planners import Limit, SearchRecord
+from symbolic.planners._space import Space, explore
 
 CHEAP = 16  # states that are looked at before the heuristic is asked about more of them
 _DEAD_END = 10_000  # states that are looked at to find out whether one of them leads to a goal
@@ -22,6 +23,10 @@ class StoppedError(Exception):
     """A limit was reached."""
 
 
+class EnoughError(Exception):
+    """So many states were opened that it pays to look at all there are."""
+
+
 class State:
     """An abstract state; ``value`` is at most what the cheapest way from it to a goal costs."""
 
@@ -29,6 +34,8 @@ class State:
         "alive", "base", "branches", "children", "failures", "given", "goal", "mask", "operators", "origin",
         "parents", "unsure", "value", "way",
     )  # fmt: skip
+
+    extra = 0.0
 
     def __init__(self, mask: int, goal: bool, value: float, origin: "tuple[State, int] | None") -> None:
         self.mask = mask
@@ -49,12 +56,16 @@ class State:
 
 
 class Branch:
-    """A state after the first steps of given plans; ``value`` is about the plans not given yet."""
+    """A state after the first steps of given plans; ``value`` is about the plans not given yet.
+
+    ``extra`` is paid on entering it, and is a part of ``value``.
+    """
 
     __slots__ = (
         "above",
         "base",
         "children",
+        "extra",
         "failures",
         "given",
         "operators",
@@ -78,6 +89,7 @@ class Branch:
         self.children: list[Node] | None = None if rest else []
         self.value, self.base = (state.value, state.base) if rest else (inf, inf)
         self.given = 1  # plans given that begin like this
+        self.extra = 0.0
 
 
 Node: TypeAlias = State | Branch
@@ -109,13 +121,18 @@ class Product:
         self.users: list[list[tuple[State, int]]] = [[] for _ in problem.operators]
         self.successors = successor_function(problem)
         self.states: dict[int, State] = {}
+        self.branches: list[Branch] = []  # those nearer to the root first
+        self.space: Space | None = None
+        self.patience = inf  # until how many states are opened we go on without
         record.nodes_created += 1
         start = self.states[problem.init] = State(problem.init, problem.is_goal(problem.init), 0, None)
         self.root: Node = start
         self.evaluate(start)
 
     def check(self) -> None:
-        """Raise StoppedError at a limit."""
+        """Raise StoppedError at a limit, EnoughError where patience ends."""
+        if self.record.nodes_expanded > self.patience:
+            raise EnoughError
         if self.limit.late:
             self.record.stopped_by = "time limit"
         elif self.record.nodes_created >= self.limit.nodes:
@@ -193,7 +210,10 @@ class Product:
             child = states.get(mask)
             if child is None:
                 goal = problem.is_goal(mask)
+                if self.space is not None:
+                    bound = self.space.distance(mask)
                 child = states[mask] = State(mask, goal, 0 if goal else bound, (state, number))
+                child.unsure = child.unsure and self.space is None
                 self.record.nodes_created += 1
             children.append(child)
         if self.tracked:
@@ -216,12 +236,17 @@ class Product:
         return children
 
     def _branch(self, state: State, rest: Sequence[int], above: Branch | None, place: int) -> Branch:
-        self.record.nodes_created += 1
-        branch = Branch(state, rest, above, place)
+        branch = self._new_branch(state, rest, above, place)
         if self.tracked and rest:
             if state.branches is None:
                 state.branches = []
             state.branches.append(branch)
+        return branch
+
+    def _new_branch(self, state: State, rest: Sequence[int], above: Branch | None, place: int) -> Branch:
+        self.record.nodes_created += 1
+        branch = Branch(state, rest, above, place)
+        self.branches.append(branch)
         return branch
 
     def follow(self, steps: Sequence[int]) -> Path:
@@ -255,14 +280,20 @@ class Product:
             self.open(branch.above)[branch.place] = branch
 
     def change(self, costs: dict[int, float]) -> None:
-        """Set costs of operators; lower the values that rest on those that fell."""
+        """Set costs of operators; lower the values that rest on those that fell, unless they are measured."""
         fallen = [number for number, cost in sorted(costs.items()) if cost < self.costs[number]]
         for number, cost in costs.items():
             self.costs[number] = cost
+        if self.space is not None:
+            return
         lowered: list[Node] = []
         for number in fallen:
             for state, place in self.users[number]:
                 self._relax_all(state, place, None, lowered)
+        self._spread(lowered)
+
+    def _spread(self, lowered: list[Node]) -> None:
+        """Lower what rests on nodes whose values fell."""
         while lowered:
             node = lowered.pop()
             if isinstance(node, Branch):
@@ -276,6 +307,68 @@ class Product:
             for state, place in node.parents or ():
                 self._relax_all(state, place, node, lowered)
 
+    def explore(self) -> None:
+        """From now on measure exact distances, where there are few enough states."""
+        self.space = explore(self.problem)
+        if self.space is not None:
+            self.record.nodes_created += len(self.space.index)
+            self.measure()
+
+    def measure(self) -> None:
+        """Set all values to what follows from exact distances at the present costs."""
+        space = self.space
+        assert space is not None
+        space.measure(self.costs)
+        for state in self.states.values():
+            state.value, state.unsure = space.distance(state.mask), False
+        for branch in reversed(self.branches):
+            least = branch.state.value
+            if branch.children is not None:
+                ways = zip(branch.operators, branch.children, strict=False)
+                least = min([self.costs[o] + child.value for o, child in ways], default=inf)
+            branch.value = branch.extra + least
+
+    def penalize(self, steps: Sequence[int], extra: float) -> None:
+        """Let all plans that begin with these steps, and go on, cost so much more."""
+        branch = self._prefix(steps)
+        if branch is not None:
+            change = extra - branch.extra
+            branch.extra = extra
+            branch.value += change
+            if change < 0 and self.space is None:
+                self._spread([branch])
+
+    def _prefix(self, steps: Sequence[int]) -> Branch | None:
+        """Return the branch after these steps, a new one if need be; None where no plan begins so."""
+        node: Node = self.root
+        if isinstance(node, State):
+            node = self.root = self._copy(node, None, 0)
+        for number in steps:
+            children = self.open(node)
+            if number not in node.operators:
+                return None
+            place = node.operators.index(number)
+            child = children[place]
+            if isinstance(child, State):
+                if child.goal:
+                    return None
+                assert isinstance(node, Branch)
+                child = children[place] = self._copy(child, node, place)
+            node = child
+        assert isinstance(node, Branch)
+        return node
+
+    def _copy(self, state: State, above: Branch | None, place: int) -> Branch:
+        """Return a branch from which all plans are left."""
+        children = list(self.open(state))
+        branch = self._new_branch(state, (), above, place)
+        branch.children = children
+        branch.value, branch.base, branch.given = state.value, state.base, 0
+        if state.branches is None:
+            state.branches = []
+        state.branches.append(branch)
+        return branch
+
     def _relax_all(self, state: State, place: int, child: Node | None, lowered: list[Node]) -> None:
         """Relax a state and its branches; only those that have the given child, if one is given."""
         self._relax(state, place, lowered)
@@ -286,7 +379,8 @@ class Product:
     def _relax(self, node: Node, place: int, lowered: list[Node]) -> None:
         """Lower a value to what one child allows, but not below its base."""
         if node.value > node.base:
-            bound = max(node.base, self.costs[node.operators[place]] + self.open(node)[place].value)
+            cost = node.extra + self.costs[node.operators[place]]
+            bound = max(node.base, cost + self.open(node)[place].value)
             if bound < node.value:
                 node.value = bound
                 lowered.append(node)

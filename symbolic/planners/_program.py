@@ -17,7 +17,7 @@ from symbolic.errors import PddlError
 from symbolic.pddl.plan_file import parse_plan
 from symbolic.pddl.portable import Rewritten
 from symbolic.planners import Limit
-from symbolic.planners._foreign import OutOfTime, PlannerFailed, Words
+from symbolic.planners._foreign import DeadlinePassed, PlannerFailed, Words
 
 TAIL = 20_000  # bytes of a program's output that are kept, for messages
 LARGEST_PLAN = 10_000_000  # bytes
@@ -163,8 +163,8 @@ def plan_files(
     """Yield name and text of each plan file as it is finished: ``plan``, or ``plan.1``, ``plan.2``, ...
 
     A file is finished when the next one is there, when it ends as Fast Downward's do (``; cost = 3``), or
-    when the program has ended. Raises OutOfTime at the deadline, after what is there then, or PlannerFailed
-    where nobody set one after PATIENCE seconds without a plan.
+    when the program has ended. Raises DeadlinePassed at the deadline, after what is there then, or
+    PlannerFailed where nobody set one after PATIENCE seconds without a plan.
     """
     number, since = 1, monotonic()
     while True:
@@ -178,7 +178,7 @@ def plan_files(
         elif limit.late:
             if path is not None:
                 yield path.name, _text(path)
-            raise OutOfTime
+            raise DeadlinePassed
         elif limit.deadline is None and monotonic() > since + PATIENCE:
             raise PlannerFailed(
                 f"{program.name} gave no plan within {PATIENCE:.0f} s (--timeout changes that)"

@@ -44,12 +44,29 @@ class AStar:
         rng: np.random.Generator,
         limit: Limit,
         record: SearchRecord,
-        costs: Costs | None = None,
     ) -> Iterator[AbstractPlan]:
-        """Yield abstract plans; see Planner. Of equally cheap ones, those least like the given go first.
+        """Yield abstract plans; see Planner. Of equally cheap ones, those least like the given go first."""
+        return self._plans(problem, rng, limit, record, None)
 
-        ``costs`` may change between plans: then the cheapest plan by the costs of that moment comes next.
-        """
+    def plans_at(
+        self,
+        problem: GroundProblem,
+        rng: np.random.Generator,
+        limit: Limit,
+        record: SearchRecord,
+        costs: Costs,
+    ) -> Iterator[AbstractPlan]:
+        """Yield abstract plans; see CostPlanner."""
+        return self._plans(problem, rng, limit, record, costs)
+
+    def _plans(
+        self,
+        problem: GroundProblem,
+        rng: np.random.Generator,
+        limit: Limit,
+        record: SearchRecord,
+        costs: Costs | None,
+    ) -> Iterator[AbstractPlan]:
         compiled = compile_problem(problem)
         heuristic = HEURISTICS[self.heuristic](compiled)
         known = {compiled.init: problem.problem.init}  # plans share the abstract states on their ways

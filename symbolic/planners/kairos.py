@@ -13,7 +13,7 @@ from symbolic.pddl.plan_file import parse_plan
 from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
 from symbolic.planners._alternatives import one_by_one
-from symbolic.planners._foreign import OutOfTime, PlannerFailed, Words
+from symbolic.planners._foreign import DeadlinePassed, PlannerFailed, Words
 from symbolic.planners._program import PATIENCE
 
 ABOUT = (
@@ -54,7 +54,7 @@ class Kairos:
 
         seconds = PATIENCE if limit.deadline is None else limit.deadline - monotonic()
         if seconds <= 0:
-            raise OutOfTime
+            raise DeadlinePassed
         make: Any = kairos.Planner  # without type hints
         options = {"search": self.preset} if self.preset else {}
         try:
@@ -67,7 +67,7 @@ class Kairos:
         if plan is not None:
             yield [step.words for step in plan]
         elif result.status == kairos.Status.TIMEOUT:
-            raise OutOfTime
+            raise DeadlinePassed
         elif result.status not in (kairos.Status.UNSOLVABLE, kairos.Status.NO_PLAN_FOUND):
             raise PlannerFailed(f"kairos: {result.status}")
         return bool(result.status == kairos.Status.UNSOLVABLE)

@@ -18,7 +18,7 @@ from symbolic.pddl.portable import Rewritten
 from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
 from symbolic.planners._alternatives import more_and_more, one_by_one
 from symbolic.planners._apart import Apart
-from symbolic.planners._foreign import OutOfTime, PlannerFailed, Words
+from symbolic.planners._foreign import DeadlinePassed, PlannerFailed, Words
 
 
 def _engine(name: str, package: str, licence: str, **abilities: Any) -> About:
@@ -85,7 +85,7 @@ class UnifiedPlanning:
         if result.plan is not None:
             yield _words(result.plan)
         elif result.status == Status.TIMEOUT:
-            raise OutOfTime
+            raise DeadlinePassed
         elif result.status not in (Status.UNSOLVABLE_PROVEN, Status.UNSOLVABLE_INCOMPLETELY):
             said = " ".join(m.message for m in result.log_messages or [])[-200:]
             raise PlannerFailed(f"{self.name}: {result.status.name}: {said}")
@@ -104,7 +104,7 @@ class UnifiedPlanning:
                     yield _words(result.plan)
         nothing = (Status.UNSOLVABLE_PROVEN, Status.UNSOLVABLE_INCOMPLETELY)
         if status == Status.TIMEOUT:
-            raise OutOfTime
+            raise DeadlinePassed
         if status not in (Status.SOLVED_SATISFICING, Status.SOLVED_OPTIMALLY, *nothing):
             raise PlannerFailed(f"{self.name}: {status.name}")
         return self.about.proves and status in nothing
@@ -132,7 +132,7 @@ def _built(task: Rewritten, engine: str) -> Any:
 
 def _seconds(limit: Limit) -> float | None:
     if limit.late:
-        raise OutOfTime
+        raise DeadlinePassed
     return None if limit.deadline is None else limit.deadline - monotonic()
 
 

@@ -71,7 +71,7 @@ def test_help_lists_every_command_without_slow_imports() -> None:
 
 
 def test_planning_does_not_import_torch(model: Path) -> None:
-    out, modules = imported_by("plan", str(model), "--task", "0")
+    out, modules = imported_by("plan", str(model), "--task", "0", "--preset", "paper")
     assert "planned:" in out
     assert "numpy" in modules
     assert not {"torch", "unified_planning", "pyperplan"} & modules
@@ -158,7 +158,9 @@ def test_plan_refines_executes_and_shows(bpns: Run, tmp_path: Path) -> None:
 def test_plan_that_cannot_be_refined(bpns: Run, tmp_path: Path) -> None:
     """One sample a step and one plan: some task of the first twenty cannot be done like that."""
     for task in range(20):
-        code, out, _ = bpns("plan", "--oracle", "cover", "--task", task, "--plans", 1, "--samples", 1)
+        code, out, _ = bpns(
+            "plan", "--oracle", "cover", "--task", task, "--plans", 1, "--samples", 1, "--preset", "paper"
+        )
         if code:
             break
     assert code == 12
@@ -200,10 +202,10 @@ def test_an_environment_of_ones_own_goes_through_everything(bpns: Run, tmp_path:
 def test_models_of_one_name_are_kept_apart(bpns: Run, model: Path, tmp_path: Path) -> None:
     twin = tmp_path / "twin" / "model"
     shutil.copytree(model, twin)
-    code, out, _ = bpns("evaluate", model, twin, "--tasks", 2, "--json")
+    code, out, _ = bpns("evaluate", model, twin, "--tasks", 2, "--preset", "paper", "--json")
     assert code == 0
     assert [row["model"] for row in json.loads(out)["tasks"]] == [str(model)] * 2 + [str(twin)] * 2
-    _, out, _ = bpns("evaluate", model, twin, "--tasks", 2)
+    _, out, _ = bpns("evaluate", model, twin, "--tasks", 2, "--preset", "paper")
     assert "mean (std)" in out
 
 

@@ -12,7 +12,7 @@ from symbolic import planners
 from symbolic.grounding import GroundProblem, ground
 from symbolic.pddl.read import read_domain, read_problem
 from symbolic.planners import Limit
-from symbolic.planners._comparison import first_plans
+from symbolic.planners._first_plans import first_plans
 
 Run = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]

@@ -2,6 +2,7 @@
 
 from itertools import islice
 from random import Random
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from symbolic.costs import Costs
 from symbolic.grounding import Unreachable, ground
-from symbolic.planners import Limit, SearchRecord
+from symbolic.planners import Limit, SearchRecord, _best_first
 from symbolic.planners.astar import AStar
 from symbolic.structs import Domain, GroundOperator, Problem
 from tests.symbolic._planning import AMPLE, check_plan, grounded, key
@@ -69,11 +70,11 @@ def test_penalty_must_be_a_number_that_is_not_negative(value: float) -> None:
 
 
 @settings(deadline=None, max_examples=150)
-@given(searchable_tasks(), st.integers(0, 2**32 - 1), st.integers(0, 5))
+@given(searchable_tasks(), st.integers(0, 2**32 - 1), st.integers(0, 5), st.sampled_from([0, 3, 1000]))
 def test_next_plan_is_always_the_cheapest_by_the_costs_of_that_moment(
-    task: tuple[Domain, Problem, Graph], seed: int, unchanged: int
+    task: tuple[Domain, Problem, Graph], seed: int, unchanged: int, patience: int
 ) -> None:
-    """Also after some plans at unit costs, which another part of the search gives."""
+    """Also after some plans at unit costs, which another part of the search gives, and by exact distances."""
     domain, problem, graph = task
     found = ground(domain, problem)
     if isinstance(found, Unreachable):
@@ -85,15 +86,20 @@ def test_next_plan_is_always_the_cheapest_by_the_costs_of_that_moment(
     number = len(left)
 
     def cost(plan: PlanKey) -> float:
-        return costs.of_plan(steps[step] for step in plan)
+        return costs.of_plan([steps[step] for step in plan])
 
-    with steps_as_time():
+    with steps_as_time(), patch.object(_best_first, "EXPLORE_AFTER", patience):
         limit = Limit(20_000, deadline=50_000)
-        stream = AStar().plans(found, np.random.default_rng(seed), limit, record, costs)
+        stream = AStar().plans_at(found, np.random.default_rng(seed), limit, record, costs)
         while True:
             changes = rng.randint(0, 3) if number - len(left) >= unchanged else 0
             for name in rng.sample(sorted(steps), min(len(steps), changes)):
                 costs.set_penalty(steps[name], rng.choice([0, 0, 0.3, 0.7, 1, 2.5]))
+            if changes and rng.random() < 0.5:
+                plan = rng.choice(sorted(set().union(*layers)) or [()])
+                prefix = tuple(steps[step] for step in plan[: rng.randint(1, max(1, len(plan)))])
+                if prefix:
+                    costs.set_prefix_penalty(prefix, rng.choice([0, 0.3, 1, 2.5]))
             cheapest = min(map(cost, left), default=len(layers))
             if cheapest >= len(layers):  # a longer plan may cost less
                 break
@@ -109,7 +115,7 @@ def test_no_change_costs_a_plan_and_none_comes_twice() -> None:
     found, costs, rng = grounded(COVER, cover_problem(4)), Costs(), Random(3)
     picks = [step for step in found.operators if step.operator.name == "Pick"]
     given = []
-    for plan in islice(AStar().plans(found, np.random.default_rng(3), AMPLE, SearchRecord(), costs), 24):
+    for plan in islice(AStar().plans_at(found, np.random.default_rng(3), AMPLE, SearchRecord(), costs), 24):
         given.append(key(plan))
         costs.set_penalty(rng.choice(picks), rng.choice([0, 0.2, 0.4]))  # all plans need each pick once
     assert len(set(given)) == 24

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 from time import monotonic
 from typing import Any
 
@@ -12,9 +13,11 @@ from symbolic import bilevel, planners
 from symbolic.bilevel import NoPlan, Plan, solve
 from symbolic.environment import Budget, problem_of, sample_tasks
 from symbolic.execution import execute
+from symbolic.exhaustive import exhaustive
 from symbolic.grounding import GroundProblem, ground
 from symbolic.planners import AbstractPlan, Limit
 from symbolic.refinement import DeadEnd, RefinementRecord, Refiner
+from symbolic.search import Search
 from symbolic.skills import GroundSkill
 from symbolic.state import State
 from symbolic.structs import GroundAtom
@@ -102,7 +105,8 @@ def test_a_skill_that_is_over_at_once_is_a_dead_end() -> None:
 
 
 def run(environment: Toy, budget: Budget, seed: int = 1, **options: float) -> Plan | NoPlan:
-    return solve(environment, TASK, SKILLS, planners.load("astar"), budget, seed, **options)
+    planner = planners.load("astar")
+    return solve(environment, TASK, SKILLS, planner, budget, seed, strategy=exhaustive, **options)
 
 
 def test_a_refined_plan_is_executed() -> None:
@@ -178,8 +182,10 @@ def test_what_is_kept_of_attempts_changes_no_outcome(
     task = toy.sample_task("train", 0, np.random.default_rng(0))
     outcomes = []
     for known in (dict, Forgetful):
-        monkeypatch.setattr(bilevel, "RefinementRecord", lambda known=known: RefinementRecord(known=known()))
-        outcome = bilevel.solve(toy, task, SKILLS, planners.load("astar"), toy.budget, seed)
+        record = partial(RefinementRecord, known=known())
+        monkeypatch.setattr(bilevel, "Search", partial(Search, refining=record()))
+        planner = planners.load("astar")
+        outcome = bilevel.solve(toy, task, SKILLS, planner, toy.budget, seed, strategy=exhaustive)
         steps = [(str(s.skill.operator), s.subgoal.tolist()) for s in getattr(outcome, "steps", ())]
         outcomes.append((type(outcome), steps, outcome.effort.samples, outcome.dead_ends))
     assert outcomes[0] == outcomes[1]
