@@ -34,7 +34,7 @@ def command(as_json: bool) -> None:
             *map(_mark, (about.optimal, about.proves, about.negation, about.costs)),
             about.licence,
         )
-    Console(width=max(110, Console().width), highlight=False, markup=False, emoji=False).print(table)
+    Console(width=max(125, Console().width), highlight=False, markup=False, emoji=False).print(table)
     for about in listed:
         if about.note:
             click.echo(f"{about.name}: {about.note}")

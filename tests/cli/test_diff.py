@@ -36,17 +36,43 @@ def test_what_learning_did_otherwise_in_stick_button(bpns: Run, oracle: Path) ->
     code, out, _ = bpns("diff", ROOT / "pddl_out/stick_button", oracle)
     assert code == 1
     assert (
+        "changed   op4 -> stickpressbuttonfrombutton (?x0 -> ?from, ?x1 -> ?button, ?x2 -> ?stick, ?x3 -> ?robot)\n"
+        "            precondition   - pressed(?x0)\n"
+    ) in out
+    assert (
+        "same      op2 -> stickpressbuttonfromnothing (?x0 -> ?button, ?x1 -> ?stick, ?x2 -> ?robot)" in out
+    )
+    assert out.endswith("operators: 3 same, 3 changed, 0 removed, 0 added\n")
+    code, out, _ = bpns("diff", ROOT / "pddl_out/stick_button", oracle, "--json")
+    found = json.loads(out)
+    assert (code, found["same"], len(found["operators"]["same"])) == (1, False, 3)
+    (change,) = (c for c in found["operators"]["changed"] if c["before"] == "op4")
+    assert change["after"] == "stickpressbuttonfrombutton"
+    assert change["parameters"] == [
+        ["?x0", "?from"],
+        ["?x1", "?button"],
+        ["?x2", "?stick"],
+        ["?x3", "?robot"],
+    ]
+    assert change["changed_parameters"] == {"removed": [], "added": [], "retyped": []}
+    assert change["changed_atoms"] == {"preconditions": {"removed": [["pressed", "?x0"]], "added": []}}
+
+
+def test_a_parameter_that_is_only_in_one(bpns: Run, oracle: Path, tmp_path: Path) -> None:
+    """Without the hand, as the paper learns it, pressing with the stick lacks a parameter and a condition."""
+    text = (ROOT / "pddl_out/stick_button/domain.pddl").read_text()
+    text = text.replace("(?x0 - button ?x1 - stick ?x2 - gripper)", "(?x0 - button ?x1 - stick)", 1)
+    text = text.replace("(grasped ?x2 ?x1)", "", 1)
+    (tmp_path / "domain.pddl").write_text(text)
+    code, out, _ = bpns("diff", tmp_path / "domain.pddl", oracle)
+    assert code == 1
+    assert (
         "changed   op2 -> stickpressbuttonfromnothing (?x0 -> ?button, ?x1 -> ?stick)\n"
         "            parameter      + ?robot - gripper\n"
         "            precondition   + grasped(?robot, ?stick)\n"
     ) in out
-    assert out.endswith("operators: 2 same, 4 changed, 0 removed, 0 added\n")
-    code, out, _ = bpns("diff", ROOT / "pddl_out/stick_button", oracle, "--json")
-    found = json.loads(out)
-    assert (code, found["same"], len(found["operators"]["same"])) == (1, False, 2)
-    (change,) = (c for c in found["operators"]["changed"] if c["before"] == "op2")
-    assert change["after"] == "stickpressbuttonfromnothing"
-    assert change["parameters"] == [["?x0", "?button"], ["?x1", "?stick"]]
+    _, out, _ = bpns("diff", tmp_path / "domain.pddl", oracle, "--json")
+    (change,) = (c for c in json.loads(out)["operators"]["changed"] if c["before"] == "op2")
     assert change["changed_parameters"] == {"removed": [], "added": [["?robot", "gripper"]], "retyped": []}
     assert change["changed_atoms"] == {
         "preconditions": {"removed": [], "added": [["grasped", "?robot", "?stick"]]}

@@ -38,7 +38,7 @@ def test_planners_are_listed_with_what_they_can_do(bpns: Run) -> None:
             assert f"missing: [{about.extra}]" in rows[about.name]
         else:
             assert about.version in rows[about.name]
-    assert max(map(len, table)) <= 110
+    assert max(map(len, table)) <= 125
 
 
 def test_planners_as_json(bpns: Run) -> None:

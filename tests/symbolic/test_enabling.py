@@ -49,9 +49,10 @@ def test_cover_and_stick_button() -> None:
 
     assert edges("cover") == {("op0", "op1"): ("holding",), ("op1", "op0"): ("handempty",)}
     found = edges("stick_button")
-    assert len(found) == 15
+    assert len(found) == 18
     assert found["op5", "op5"] == ("pressed", "robotabovebutton")
-    assert ("op3", "op2") not in found
+    assert found["op3", "op2"] == ("grasped",)  # picking the stick up enables pressing with it
+    assert ("op2", "op3") not in found
 
 
 def test_a_ring_is_laid_out_as_one() -> None:
