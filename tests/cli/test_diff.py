@@ -36,7 +36,7 @@ def test_what_learning_did_otherwise_in_stick_button(bpns: Run, oracle: Path) ->
     code, out, _ = bpns("diff", ROOT / "pddl_out/stick_button", oracle)
     assert code == 1
     assert (
-        "changed   op4 -> stickpressbuttonfrombutton (?x0 -> ?from, ?x1 -> ?button, ?x2 -> ?stick, ?x3 -> ?robot)\n"
+        "changed   op1 -> pickstickfrombutton (?x0 -> ?from, ?x1 -> ?robot, ?x2 -> ?stick)\n"
         "            precondition   - pressed(?x0)\n"
     ) in out
     assert (
