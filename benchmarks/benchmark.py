@@ -19,6 +19,7 @@ import numpy as np
 from symbolic.files import write_json, write_text
 
 TASKS = 50
+PARTS = ("own", "larger", "few")
 LARGER = {"stick_button": "stick_button:test_buttons=10", "coffee": "coffee:test_cups=10"}
 # Table 3 of the paper's appendix: solved %, seconds, nodes created; learned and oracle skills.
 PAPER = {
@@ -89,17 +90,17 @@ def results(out: Path, run: Run, seed: int) -> dict[str, Any]:
     return found
 
 
-def runs(environments: Sequence[str], presets: Sequence[str]) -> Iterator[Run]:
+def runs(environments: Sequence[str], presets: Sequence[str], parts: Sequence[str]) -> Iterator[Run]:
     """Yield all runs, the most important first."""
-    for preset in presets:
+    for preset in presets if "own" in parts else ():
         for skills in ("oracle", "learned"):
             for environment in environments:
                 yield Run(environment, skills, preset)
-    for environment in environments:
-        if "default" in presets:
-            yield Run(environment, "learned", "default", count=50)
-            for skills in ("oracle", "learned") if environment in LARGER else ():
-                yield Run(environment, skills, "default", LARGER[environment])
+    for environment in environments if "larger" in parts else ():
+        for skills in ("oracle", "learned") if environment in LARGER else ():
+            yield Run(environment, skills, "default", LARGER[environment])
+    for environment in environments if "few" in parts else ():
+        yield Run(environment, "learned", "default", count=50)
 
 
 def row(run: Run, found: Sequence[dict[str, Any]]) -> list[str]:
@@ -208,6 +209,13 @@ def main() -> None:
     )
     parser.add_argument("--out", type=Path, default=Path("runs/benchmark"), help="what was run is kept here")
     parser.add_argument("--presets", nargs="+", choices=["default", "paper"], default=["default", "paper"])
+    parser.add_argument(
+        "--parts",
+        nargs="+",
+        choices=PARTS,
+        default=PARTS,
+        help="the environments' own tasks; with ten buttons or cups; with 50 demonstrations",
+    )
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2, 3, 4])
     parser.add_argument(
         "--paper-seeds", type=int, nargs="+", default=[0], help="for its learned skills: minutes each"
@@ -216,7 +224,7 @@ def main() -> None:
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     found: dict[Run, list[dict[str, Any]]] = {}
-    for run in runs(arguments.environments or names, arguments.presets):
+    for run in runs(arguments.environments or names, arguments.presets, arguments.parts):
         slow = run.preset == "paper" and run.skills == "learned"
         seeds = arguments.paper_seeds if slow else arguments.seeds
         found[run] = [results(arguments.out, run, seed) for seed in seeds]
