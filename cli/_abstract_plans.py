@@ -71,4 +71,5 @@ def _print(planner: str, found: list[list[str]], ended: str, record: SearchRecor
             click.echo(step)
     for line in (*record.remarks, ended):
         if line:
-            click.echo(f"; {line}" if found else line)  # a comment, so that this is a plan file
+            # A comment, so that this is a plan file; and where there is no plan, nothing is in the file.
+            click.echo(f"; {line}" if found else line, err=not found)

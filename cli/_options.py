@@ -125,6 +125,8 @@ def strategy_and_budget(
 ) -> tuple[str, Strategy, Budget]:
     """Return how to search, by name and in fact, and how much, with the user's numbers in it."""
     budget = environment.budget
+    if preset == "paper" and strategy == "adaptive":
+        raise click.UsageError("--preset paper searches exhaustively: leave it or --strategy adaptive out")
     name = strategy or ("adaptive" if preset == "default" else "exhaustive")
     if name == "adaptive":
         if samples or per_plan:

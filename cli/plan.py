@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from cli._abstract_plans import MAX_NODES, plan_problem, read_any_domain
 from cli._comparison import planner_names, print_comparison
@@ -105,8 +106,9 @@ def command(
         )
     if problem is None and model is not None and model.suffix == ".pddl":
         raise click.UsageError("a domain file has no skills: give --problem too, or a model folder")
-    if compare and (show is not None or no_loops):
-        raise click.UsageError("--compare goes with neither --show nor --no-loops")
+    chosen = click.get_current_context().get_parameter_source("planner") is ParameterSource.COMMANDLINE
+    if compare and (show is not None or no_loops or chosen):
+        raise click.UsageError("--compare goes with none of --planner, --show and --no-loops")
     if problem is not None:
         domain = read_any_domain(model, oracle, environment)
         if compare:
@@ -142,8 +144,8 @@ def command(
         )
         return
     deadline = None if timeout is None else time.monotonic() + timeout
-    chosen = _planner(planner, no_loops)
-    outcome = solve(world, drawn, subject.skills, chosen, budget, seed + number + 1, deadline, refine)
+    own = _planner(planner, no_loops)
+    outcome = solve(world, drawn, subject.skills, own, budget, seed + number + 1, deadline, refine)
     _report(outcome, subject, drawn, f"task {number} of seed {seed} in {subject.asked}", show, as_json)
 
 

@@ -79,7 +79,7 @@ def _agreed(reports: list[Report], result: str) -> str:
     """Name those that came to the result themselves."""
     level = "fault" if result == "invalid" else "ok"
     judged = [r.checker for r in reports if any(v.level == level for v in r.verdicts)]
-    return f": {', '.join(judged)} agree" if len(judged) > 1 else ""
+    return f": {', '.join(judged)} agree" if len(judged) > 1 else f": {', '.join(judged)} alone says so"
 
 
 def _json(inputs: Inputs, reports: list[Report]) -> list[dict[str, object]]:

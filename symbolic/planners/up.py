@@ -156,12 +156,12 @@ def create(engine: str) -> Apart:
     """
     if not engine:
         raise InputError("planner 'up:' names no engine: see 'bpns planners'")
-    About("up", "", package="unified-planning", extra="up").check_installed()
     known = {about.name: about for about in ABOUT}
     about = known.get(f"up:{engine}")
     if about is None:
         if close := get_close_matches(f"up:{engine}", known, 1, 0.8):
             raise InputError(f"unknown planner 'up:{engine}' (did you mean '{close[0]}'?)")
         about = About(f"up:{engine}", "one plan", package="unified-planning", extra="up", licence="?")
+    About(about.name, "", package="unified-planning", extra=about.extra).check_installed()
     about.check_installed()
     return Apart(UnifiedPlanning(engine, about), about)

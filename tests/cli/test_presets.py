@@ -45,6 +45,12 @@ def test_samples_are_counted_by_the_exhaustive_strategy_only(bpns: Run, command:
     assert "--samples and --samples-per-plan go with --strategy exhaustive" in err
 
 
+def test_the_papers_search_is_not_ours(bpns: Run) -> None:
+    code, _, err = bpns("evaluate", "--oracle", "cover", "--preset", "paper", "--strategy", "adaptive")
+    assert code == 2
+    assert "--preset paper searches exhaustively" in err
+
+
 def test_plans_limit_both_strategies(bpns: Run) -> None:
     for strategy in ("adaptive", "exhaustive"):
         code, out, _ = bpns(
