@@ -56,7 +56,8 @@ class _Build(Transformer[Token, List]):
         return List(tuple(items), children[0].start_pos or 0)
 
     def WORD(self, token: Token) -> Word:  # noqa: N802  (lark looks for the terminal's name)
-        return Word(token.lower() if token.isascii() else str(token), token.start_pos or 0)
+        word = token.rstrip()  # with each token goes the space behind it, so that there are fewer of them
+        return Word(word.lower() if word.isascii() else word, token.start_pos or 0)
 
 
 @cache
@@ -81,6 +82,7 @@ def parse_lists(text: str, path: str) -> List:
 
 
 def _outside(token: str) -> str:
+    token = token.rstrip()
     if token == ")":
         return "')' without its '(': remove it"
     if token == "(":
