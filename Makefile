@@ -13,7 +13,7 @@ help:
 	@echo "make slow                the tests that take longer"
 	@echo "make check               the gates without the tests"
 	@echo "make pddl-out            make pddl_out/ again"
-	@echo "make benchmark  both presets, learned and oracle skills: makes docs/benchmark.md; hours"
+	@echo "make benchmark           both presets, learned and oracle skills: makes docs/benchmark.md; hours"
 	@echo "make benchmark-planners  every planner on the problems in pddl_out and ../shared; makes docs/planners.md"
 
 .venv/bin/pip:
