@@ -32,10 +32,13 @@ FIRST = 1000  # plans come as they are found, so there is no harm in asking for 
 
 
 def _ask(driver: Path, task: Rewritten, number: int, limit: Limit) -> Generator[list[Words], None, bool]:
-    """Run SymK's bidirectional search once; see AskMany."""
+    """Run SymK's forward search once; see AskMany.
+
+    The bidirectional one measures time to choose its direction, so that the order of equal plans changes.
+    """
     with task_folder(task) as folder:
         selection = f"top_k(num_plans={number},dump_plans=false)"
-        search = f"symk_bd(simple=false,plan_selection={selection},bound=infinity)"
+        search = f"symk_fw(simple=false,plan_selection={selection},bound=infinity)"
         files = ["--plan-file", "plan", "domain.pddl", "problem.pddl"]
         command = [sys.executable, str(driver), *files, "--search", search]
         with running("symk", command, folder) as program:
