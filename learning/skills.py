@@ -101,9 +101,8 @@ def learn_skills(
 ) -> tuple[LearnedSkill, ...]:
     """Learn operators, then a policy and a sampler for each; raise InputError where nothing can be learned.
 
-    Networks are trained one after the other, or in ``workers`` processes with the same result. Batched into
-    one computation, their products would cost about a tenth less (benchmarks/training.py) if they had equal
-    numbers of rows and stopped together; padding costs more than that.
+    The generators of a skill, which learn from the same rows, are trained in one computation; all else one
+    after the other, or in ``workers`` processes with the same result.
     """
     by_demonstration = [segment(environment, d.trajectory, d.labels) for d in data.demonstrations]
     segments = [s for found in by_demonstration for s in found]

@@ -20,6 +20,7 @@ from symbolic.skills import GroundSkill
 from symbolic.state import State
 from symbolic.structs import GroundOperator
 
+PROPOSALS = 20  # that are known already, after which a sampler is taken to have no others
 FRESH_TURNS = 4  # first visits for each return, where the planner takes no costs
 # Which step is tried anew when one fails: relative weights. One whose effects the failed step needs is the
 # likeliest to blame; any other may be, so that none is left out for ever.
@@ -53,7 +54,7 @@ class _Outcomes:
     reached: list[_Reached] = field(default_factory=list)
     failures: int = 0
     subgoals: set[bytes] = field(default_factory=set)
-    repeats: bool = False  # whether a subgoal was proposed twice: then there may be no other
+    repeats: bool = False  # whether the sampler has nothing new to propose
 
 
 @dataclass(slots=True, eq=False)
@@ -245,12 +246,16 @@ class _Visits:
     def _attempt(self, candidate: _Candidate, now: _Reached, step: int) -> _Reached | None:
         """Sample a subgoal and pursue it; return what it reached, None where it is a dead end."""
         skill, refining = candidate.skills[step], self.search.refining
-        refining.samples += 1
-        subgoal = skill.skill.sampler.sample(now.state, skill.operator.objects, self.rng)
         outcomes = now.next.setdefault(skill.operator, _Outcomes())
-        if (numbers := np.asarray(subgoal).tobytes()) in outcomes.subgoals:
+        for _ in range(PROPOSALS):
+            subgoal = skill.skill.sampler.sample(now.state, skill.operator.objects, self.rng)
+            numbers = np.asarray(subgoal).tobytes()
+            if numbers not in outcomes.subgoals:
+                break
+        else:
             outcomes.repeats = True
             return None
+        refining.samples += 1
         outcomes.subgoals.add(numbers)
         expected = candidate.plan.atoms[step + 1]
         found = carry_out(self.search.environment, skill, now.state, now.actions, subgoal, expected)

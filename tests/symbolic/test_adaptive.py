@@ -176,6 +176,22 @@ def test_a_sampler_without_choice_is_not_asked_again_and_again(key: float, solve
     assert outcome.effort.samples <= 5
 
 
+@dataclass(frozen=True)
+class Few(Same):
+    """A sampler that chooses among some subgoals, of which one is rare and the only one that works."""
+
+    def sample(self, state: State, objects: tuple[Object, ...], rng: np.random.Generator) -> Array:
+        return np.array([self.value if rng.random() < 0.25 else rng.choice([0.1, 0.2])], np.float32)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_choice_among_few_is_tried_to_its_end(seed: int) -> None:
+    few = {**SKILLS, "search": replace(SKILLS["search"], sampler=Few(0.9))}
+    outcome = solve(Toy(), TASK, few, planners.load("astar"), ANY, seed)
+    assert isinstance(outcome, Plan)
+    assert outcome.effort.samples <= 6  # three keys, each tried on the door
+
+
 def test_plans_without_loops_take_costs_too() -> None:
     environment = envs.load("stick_button:test_buttons=6")
     (task,) = sample_tasks(environment, "test", 1, 50_100)
