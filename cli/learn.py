@@ -1,5 +1,6 @@
 """Learn skills from demonstrations."""
 
+import gc
 import os
 import platform
 import shlex
@@ -53,6 +54,7 @@ def command(
     model_names(domain_of(world, ()))  # before minutes of training: will this be fit for PDDL?
     from learning.skills import SkillConfig, learn_skills  # torch: slow to import
 
+    gc.freeze()  # what was read stays: looking through it again and again takes seconds
     config = SkillConfig.paper() if preset == "paper" else SkillConfig()
     start, start_cpu = time.perf_counter(), _cpu_seconds()
     with progress_bar("training") as progress:

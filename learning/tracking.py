@@ -1,7 +1,7 @@
 """Abstract states along a trajectory: a classifier is asked again only when what it looked at has changed."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from symbolic.environment import Environment
@@ -40,39 +40,48 @@ class Tracker:
     def __init__(self, environment: Environment) -> None:
         self.environment = environment
         self.state: State | None = None
-        self.read: dict[GroundAtom, frozenset[str]] = {}  # whose features decided about an atom
-        self.readers: dict[str, dict[GroundAtom, None]] = defaultdict(dict)  # atoms by object
+        self.atoms: list[GroundAtom] = []  # all there can be: numbers are hashed faster than atoms
+        self.read: list[set[str]] = []  # whose features decided about each atom
+        self.readers: dict[str, dict[int, None]] = defaultdict(dict)  # numbers of atoms, by object
+        self.holds: list[bool] = []
         self.true: set[GroundAtom] = set()
 
     def move_to(self, state: State) -> frozenset[GroundAtom]:
         """Return the atoms that hold in a state."""
         last, self.state = self.state, state
         if last is None or last.objects != state.objects:
-            self.read.clear()
+            self.atoms = [
+                GroundAtom(predicate, objects)
+                for predicate in self.environment.classifiers
+                for objects in product(*(state.of_type(t) for t in predicate.types))
+            ]
+            self.read = [set() for _ in self.atoms]
             self.readers.clear()
+            self.holds = [False] * len(self.atoms)
             self.true.clear()
-            for predicate in self.environment.classifiers:
-                for objects in product(*(state.of_type(t) for t in predicate.types)):
-                    self._ask(GroundAtom(predicate, objects), state)
+            self._ask(range(len(self.atoms)), state)
         else:
             before = last.features
             changed = [n for n, now in state.features.items() if now is not before[n] and now != before[n]]
-            for atom in dict.fromkeys(a for name in changed for a in self.readers[name]):
-                self._ask(atom, state)
+            self._ask(dict.fromkeys(n for name in changed for n in self.readers[name]), state)
         return frozenset(self.true)
 
-    def _ask(self, atom: GroundAtom, state: State) -> None:
-        """Ask a classifier and note whose features it looks at."""
+    def _ask(self, numbers: Iterable[int], state: State) -> None:
+        """Ask atoms' classifiers and note whose features they look at."""
         seen = _Seen(state.features)
         watched = State(state.objects, seen, state.by_type)
-        if self.environment.classifiers[atom.predicate](watched, atom.objects):
-            self.true.add(atom)
-        else:
-            self.true.discard(atom)
-        before = self.read.get(atom, frozenset())
-        if seen.names != before:
-            self.read[atom] = now = frozenset(seen.names)
-            for name in before - now:
-                del self.readers[name][atom]
-            for name in now - before:
-                self.readers[name][atom] = None
+        for number in numbers:
+            atom = self.atoms[number]
+            now: set[str] = set()
+            seen.names = now
+            true = bool(self.environment.classifiers[atom.predicate](watched, atom.objects))
+            if true != self.holds[number]:
+                self.holds[number] = true
+                (self.true.add if true else self.true.discard)(atom)
+            before = self.read[number]
+            if now != before:
+                self.read[number] = now
+                for name in before - now:
+                    del self.readers[name][number]
+                for name in now - before:
+                    self.readers[name][number] = None
