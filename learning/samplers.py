@@ -1,5 +1,6 @@
 """Samplers: a generator proposes subgoals, a discriminator rejects. Source: spec, algorithm.md section 7."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from learning.networks import Array32, Folded, Network, Scaling
 from learning.operators import Member, OperatorData
 from learning.policies import Changing, changing_values
+from learning.segmentation import Segment
 from symbolic.state import Array, State
 from symbolic.structs import Object, Variable, sort_atoms
 
@@ -32,34 +34,39 @@ def generator_examples(data: OperatorData, changing: Changing) -> tuple[Array32,
 
 
 def discriminator_examples(
-    data: OperatorData, changing: Changing, rng: np.random.Generator
+    data: OperatorData, members: Sequence[Member], subgoals: Array32, rng: np.random.Generator
 ) -> tuple[Array32, Array32] | None:
     """Return inputs (B, 1 + features + D) and labels (B, 1); None where there are no negatives.
 
-    Negatives are the segments' subgoals with other objects in the parameters; where there are more of them
-    than positives, a random subset of equal size is kept.
+    ``subgoals`` (M, D) are those of ``members``, of which the operator's own come first. Negatives are these
+    subgoals with all objects in the operator's parameters for which the segments are no examples; where there
+    are more of them than positives, a random subset of equal size is kept.
     """
-    inputs, subgoals = generator_examples(data, changing)
-    positives = np.hstack([inputs, subgoals])
+    own = [m.segment.trajectory.states[0].vector(m.objects) for m in data.members]
+    positives = np.hstack(
+        [np.ones((len(own), 1), np.float32), np.array(own, np.float32), subgoals[: len(own)]]
+    )
     others: list[tuple[int, tuple[Object, ...]]] = []  # which member, and objects that are not its own
-    for number, member in enumerate(data.members):
+    for number, member in enumerate(members):
         if len(others) < MAX_NEGATIVES:
-            others += [(number, objects) for objects in _other_bindings(data, member)]
+            others += [(number, objects) for objects in _other_bindings(data, member.segment)]
     del others[MAX_NEGATIVES:]
     if not others:
         return None
     if len(positives) < (len(positives) + len(others)) // 2:  # rows are built only for those that are kept
         others = [others[i] for i in np.sort(rng.choice(len(others), len(positives), replace=False))]
-    firsts = [member.segment.trajectory.states[0] for member in data.members]
+    firsts = [member.segment.trajectory.states[0] for member in members]
     rows = [[1.0, *firsts[number].vector(objects), *subgoals[number].tolist()] for number, objects in others]
     negatives = np.array(rows, np.float32)
     labels = np.repeat(np.array([1, 0], np.float32), [len(positives), len(negatives)])
     return np.vstack([positives, negatives]), labels[:, None]
 
 
-def _other_bindings(data: OperatorData, member: Member) -> list[tuple[Object, ...]]:
-    """Return the assignments of objects to the parameters for which the segment is no example."""
-    segment = member.segment
+def _other_bindings(data: OperatorData, segment: Segment) -> list[tuple[Object, ...]]:
+    """Return the assignments of objects to the parameters for which a segment is no example.
+
+    That is where it lacks some of the operator's effects; its own assignment is never among them.
+    """
     objects = segment.trajectory.states[0].objects
     place = {variable: number for number, variable in enumerate(data.operator.parameters)}
     wanted: list[tuple[list[int], set[tuple[Object, ...]]]] = []  # an effect's parameters, what it may be of
@@ -76,8 +83,7 @@ def _other_bindings(data: OperatorData, member: Member) -> list[tuple[Object, ..
     return [
         binding
         for binding in product(*([o for o in objects if o.type.is_a(v.type)] for v in place))
-        if binding != member.objects
-        and not all(tuple([binding[i] for i in places]) in found for places, found in wanted)
+        if not all(tuple([binding[i] for i in places]) in found for places, found in wanted)
     ]
 
 
@@ -89,7 +95,7 @@ class LearnedSampler:
     differ where they are scarce: together they admit what each alone does not know.
     """
 
-    changing: Changing
+    dimension: int  # the length D of a subgoal
     generators: tuple[Network, ...]  # last layer: D scaled means, D raw variances; empty where D is 0
     subgoals: Scaling
     discriminator: Network | None  # last layer: one logit
@@ -99,7 +105,7 @@ class LearnedSampler:
     @classmethod
     def of(
         cls,
-        changing: Changing,
+        dimension: int,
         generators: tuple[Network, ...],
         subgoals: Scaling,
         discriminator: Network | None,
@@ -107,12 +113,7 @@ class LearnedSampler:
         """Prepare trained networks for use."""
         folded = tuple(Folded.of(network) for network in generators)
         accepts = Folded.of(discriminator) if discriminator else None
-        return cls(changing, generators, subgoals, discriminator, folded, accepts)
-
-    @property
-    def dimension(self) -> int:
-        """The length D of a subgoal."""
-        return len(self.changing)
+        return cls(dimension, generators, subgoals, discriminator, folded, accepts)
 
     def sample(self, state: State, objects: tuple[Object, ...], rng: np.random.Generator) -> Array:
         """Return a subgoal, (D,) float32."""

@@ -333,7 +333,7 @@ def _skill(
     discriminator = None
     if "discriminator" in entry.training:
         discriminator = network("discriminator", size + dimension, 1)
-    sampler = LearnedSampler.of(changing, generators, scaling("generator.outputs", dimension), discriminator)
+    sampler = LearnedSampler.of(dimension, generators, scaling("generator.outputs", dimension), discriminator)
     return Skill(operator, policy, sampler, max_actions=entry.max_actions)
 
 

@@ -1,8 +1,9 @@
 """Demonstrations -> skills: the whole of learning, step by step."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -43,6 +44,7 @@ class SkillConfig:
     """
 
     min_share: float = 0.01  # of all segments, below which an operator is dropped
+    subgoals: bool = True  # whether policies pursue subgoals that samplers propose
     context: bool = True  # whether operators take objects that are in contact with those of their effects
     patience: int | None = 5  # a roll-out may take this many times the longest segment's actions
     policy: Training = DEFAULT_POLICY
@@ -69,16 +71,26 @@ class SkillConfig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnedSkill:
-    """A skill, the segments of its cluster and how many demonstrations these are of; loss and iterations."""
+    """A skill, what it was learned from, and its networks' losses and iterations."""
 
     skill: Skill
-    segments: int
-    demonstrations: int
+    data: OperatorData
+    places: tuple[tuple[int, int], ...]  # of the members: the number of the demonstration, of the segment
     fits: dict[str, tuple[float, int]]  # by network
+
+    @property
+    def segments(self) -> int:
+        """How many segments it was learned from."""
+        return len(self.places)
+
+    @property
+    def demonstrations(self) -> int:
+        """How many demonstrations these are of."""
+        return len({demonstration for demonstration, _ in self.places})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Job:
+class Job:
     """One network to train."""
 
     operator: int
@@ -110,7 +122,9 @@ def learn_skills(
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no segment")
     contacts = environment.contact_predicates if config.context else frozenset()
     operators = learn_operators(segments, config.min_share, contacts)
-    changing = [() if operator.given else changing_features(operator) for operator in operators]
+    changing = [
+        () if operator.given or not config.subgoals else changing_features(operator) for operator in operators
+    ]
     config = _shared_out(config, sum(operator.given is None for operator in operators))
     rng = np.random.default_rng(seed)
     jobs = [
@@ -119,27 +133,41 @@ def learn_skills(
         if operator.given is None
         for job in _jobs(number, operator, features, config, rng)
     ]
-    fitted: dict[tuple[int, str], tuple[Fitted, Scaling]] = {}
-    results = parallel_map(partial(_train, seed), jobs, workers)
-    for done, (job, found) in enumerate(zip(jobs, results, strict=True), 1):
-        for member, result in enumerate(found):
-            name = f"{job.part}-{member}" if job.part == "generator" else job.part
-            fitted[job.operator, name] = result, job.scaling
-        progress(done, len(jobs))
+    fitted = train(jobs, len(operators), seed, workers, progress)
     given = {skill.name: skill for skill in environment.given_skills}
     box = environment.action_low, environment.action_high
-    owner = {id(s): number for number, found in enumerate(by_demonstration) for s in found}
+    place = {id(s): (i, j) for i, found in enumerate(by_demonstration) for j, s in enumerate(found)}
     learned = []
-    for number, (operator, features) in enumerate(zip(operators, changing, strict=True)):
-        own = {part: result for (n, part), result in fitted.items() if n == number}
+    for operator, features, own in zip(operators, changing, fitted, strict=True):
         if operator.given:
             skill = Skill.of_given(operator.operator, given[operator.given], operator.arguments)
         else:
             skill = _assemble(operator, features, own, box, config.patience)
-        support = len({owner[id(member.segment)] for member in operator.members})
-        fits = {part: (result.loss, result.iterations) for part, (result, _) in own.items()}
-        learned.append(LearnedSkill(skill, len(operator.members), support, fits))
+        places = tuple(place[id(member.segment)] for member in operator.members)
+        learned.append(LearnedSkill(skill, operator, places, fits_of(own)))
     return tuple(learned)
+
+
+FittedParts: TypeAlias = dict[str, tuple[Fitted, Scaling]]  # by network: policy, generator-0, ...
+
+
+def train(
+    jobs: Sequence[Job], operators: int, seed: int, workers: int, progress: Callable[[int, int], None]
+) -> list[FittedParts]:
+    """Train networks and return those of each operator, by number."""
+    found: list[FittedParts] = [{} for _ in range(operators)]
+    results = parallel_map(partial(_train, seed), jobs, workers)
+    for done, (job, fitted) in enumerate(zip(jobs, results, strict=True), 1):
+        for member, result in enumerate(fitted):
+            name = f"{job.part}-{member}" if job.part == "generator" else job.part
+            found[job.operator][name] = result, job.scaling
+        progress(done, len(jobs))
+    return found
+
+
+def fits_of(fitted: FittedParts) -> dict[str, tuple[float, int]]:
+    """Return loss and iterations of each network."""
+    return {part: (result.loss, result.iterations) for part, (result, _) in fitted.items()}
 
 
 def _shared_out(config: SkillConfig, skills: int) -> SkillConfig:
@@ -158,24 +186,34 @@ def _shared_out(config: SkillConfig, skills: int) -> SkillConfig:
 
 def _jobs(
     number: int, operator: OperatorData, changing: Changing, config: SkillConfig, rng: np.random.Generator
-) -> Iterator[_Job]:
+) -> Iterator[Job]:
     inputs, actions = policy_examples(operator, changing)
     scaling = Scaling.of_targets(actions, config.policy.scaling)
-    yield _Job(number, "policy", inputs, actions, scaling, mean_squared_error, config.policy)
-    if not changing:
-        return
-    inputs, subgoals = generator_examples(operator, changing)
+    yield Job(number, "policy", inputs, actions, scaling, mean_squared_error, config.policy)
+    if changing:
+        rows = generator_examples(operator, changing)
+        examples = discriminator_examples(operator, operator.members, rows[1], rng)
+        yield from sampler_jobs(number, rows, examples, config)
+
+
+def sampler_jobs(
+    number: int,
+    rows: tuple[Array32, Array32],
+    examples: tuple[Array32, Array32] | None,
+    config: SkillConfig,
+) -> Iterator[Job]:
+    """Yield the networks of an operator's sampler; ``examples`` are the discriminator's, if there are any."""
+    inputs, subgoals = rows
     scaling = Scaling.of_targets(subgoals, config.generator.scaling)
     loss = gaussian_negative_log_likelihood
-    yield _Job(number, "generator", inputs, subgoals, scaling, loss, config.generator, config.generators)
-    examples = discriminator_examples(operator, changing, rng)
+    yield Job(number, "generator", inputs, subgoals, scaling, loss, config.generator, config.generators)
     if examples is not None:
         labels = Scaling(np.zeros(1, np.float32), np.ones(1, np.float32))
         training = config.discriminator
-        yield _Job(number, "discriminator", *examples, labels, binary_cross_entropy, training)
+        yield Job(number, "discriminator", *examples, labels, binary_cross_entropy, training)
 
 
-def _train(seed: int, job: _Job) -> list[Fitted]:
+def _train(seed: int, job: Job) -> list[Fitted]:
     """Fit the columns of the targets that vary; the others are constants that need no network."""
     varying = job.scaling.varying
     if not len(varying):
@@ -197,12 +235,12 @@ def _train(seed: int, job: _Job) -> list[Fitted]:
     return found
 
 
-def _heads(job: _Job) -> int:
+def _heads(job: Job) -> int:
     """Return how many outputs there are for each target: means and variances, or values."""
     return 2 if job.loss is gaussian_negative_log_likelihood else 1
 
 
-def _constant(job: _Job) -> Network:
+def _constant(job: Job) -> Network:
     """Return a network for targets that never vary: scaled, they are zero."""
     columns, total = job.inputs.shape[1], job.targets.shape[1]
     outputs = _heads(job) * total
@@ -213,20 +251,25 @@ def _constant(job: _Job) -> Network:
 def _assemble(
     data: OperatorData,
     changing: Changing,
-    fitted: dict[str, tuple[Fitted, Scaling]],
+    fitted: FittedParts,
     box: tuple[Array32, Array32],
     patience: int | None,
 ) -> Skill:
     """Put an operator and its networks together."""
     policy, actions = fitted["policy"]
-    nothing = Scaling(np.zeros(0, np.float32), np.zeros(0, np.float32))
-    generators = tuple(result.network for part, (result, _) in fitted.items() if part.startswith("generator"))
-    discriminator = fitted["discriminator"][0].network if "discriminator" in fitted else None
-    subgoals = fitted["generator-0"][1] if generators else nothing
     longest = max(len(member.segment.trajectory.actions) for member in data.members)
     return Skill(
         data.operator,
         LearnedPolicy.of(changing, policy.network, actions, box),
-        LearnedSampler.of(changing, generators, subgoals, discriminator),
+        sampler_of(len(changing), fitted),
         max_actions=None if patience is None else patience * longest,
     )
+
+
+def sampler_of(dimension: int, fitted: FittedParts) -> LearnedSampler:
+    """Put a sampler of subgoals of this dimension together."""
+    nothing = Scaling(np.zeros(0, np.float32), np.zeros(0, np.float32))
+    generators = tuple(result.network for part, (result, _) in fitted.items() if part.startswith("generator"))
+    discriminator = fitted["discriminator"][0].network if "discriminator" in fitted else None
+    subgoals = fitted["generator-0"][1] if generators else nothing
+    return LearnedSampler.of(dimension, generators, subgoals, discriminator)

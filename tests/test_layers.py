@@ -14,7 +14,7 @@ MAY_IMPORT = {
     "bpns": {"bpns", "cli", "envs", "symbolic"},
 }
 ONLY_IN = {
-    "torch": {"learning/training.py"},
+    "torch": {"learning/training.py", "learning/graph_training.py"},
     "gymnasium": {"bpns/gymnasium.py"},
     "pyperplan": {"symbolic/planners/pyperplan.py"},
     "kairos": {"symbolic/planners/kairos.py", "symbolic/checkers/kairos.py"},

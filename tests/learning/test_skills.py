@@ -98,7 +98,8 @@ def test_cover_examples_are_as_specified(demonstrations: Demonstrations) -> None
     rows, subgoals = generator_examples(pick, changing)
     assert rows.shape == (len(pick.members), 10)
     assert subgoals[0, 0] == 2  # grasp goes from -1 to 1
-    examples = discriminator_examples(place, changing_features(place), np.random.default_rng(0))
+    placed = generator_examples(place, changing_features(place))[1]
+    examples = discriminator_examples(place, place.members, placed, np.random.default_rng(0))
     assert examples is not None
     discriminator_rows, labels = examples
     assert labels.sum() == len(place.members)

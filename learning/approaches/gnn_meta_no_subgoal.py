@@ -1,0 +1,17 @@
+"""GNN Meta with skills that have no subgoals. Source: spec, baselines.md section 3."""
+
+from learning.approaches import Approach, Learned, Learning, no_subgoal
+from learning.demonstrations import Demonstrations
+from symbolic.environment import Environment
+
+
+def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
+    """Learn skills without subgoals, then the network that chooses."""
+    from learning.approaches._graphs import metacontroller  # torch: slow to import
+
+    return metacontroller(data, no_subgoal.learn(environment, data, how), how)
+
+
+APPROACH = Approach(
+    "GNN Meta No Subgoal", "a graph network chooses the next skill, of those without subgoals", learn
+)

@@ -1,0 +1,228 @@
+"""Fit graph networks with torch, on the CPU or a GPU. Source: spec, baselines.md section 2."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import cos, pi, sqrt
+from typing import TypeAlias
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy, layer_norm, mse_loss
+
+from learning.graph_network import EPSILON, ROUNDS, WIDTH, GraphNetwork, shapes
+from learning.graphs import Batch, Graph
+from learning.networks import Array32
+from symbolic.errors import InputError
+
+Parameters: TypeAlias = dict[str, Tensor]
+
+
+@dataclass(frozen=True, slots=True)
+class GraphTraining:
+    """How to fit a graph network; the defaults are the paper's.
+
+    The first ``held_out`` of the examples decide, every ``check_every`` epochs, which weights are best. With
+    ``iterations`` there are at most so many batches in all, and with ``decay`` the learning rate falls to
+    zero along half a cosine.
+    """
+
+    epochs: int = 1000
+    batch: int = 128
+    learning_rate: float = 1e-3
+    held_out: float = 0.1
+    check_every: int = 100
+    iterations: int | None = None
+    decay: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraphExample:
+    """A graph and what the network should answer."""
+
+    graph: Graph
+    nodes: Array32  # (N, K)
+    whole: Array32  # (T,)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraphFitted:
+    """A trained network, its best loss on the examples held out, and the epochs that were run."""
+
+    network: GraphNetwork
+    loss: float
+    epochs: int
+
+
+GraphLoss: TypeAlias = Callable[[Tensor, Tensor, Tensor, Tensor], Tensor]
+
+
+def choice_loss(nodes: Tensor, whole: Tensor, wanted_nodes: Tensor, wanted_whole: Tensor) -> Tensor:
+    """For a skill (one-hot, the whole's target) and its arguments (0/1, the nodes'). Source: section 3."""
+    arguments = binary_cross_entropy_with_logits(nodes, wanted_nodes) if wanted_nodes.numel() else 0
+    return cross_entropy(whole, wanted_whole) + arguments
+
+
+def action_loss(nodes: Tensor, whole: Tensor, wanted_nodes: Tensor, wanted_whole: Tensor) -> Tensor:
+    """For actions, the whole's target; nodes have none. Source: section 4."""
+    return mse_loss(whole, wanted_whole)
+
+
+def device_of(name: str) -> torch.device:
+    """Return a device by name (``auto``: a GPU if there is one); raise InputError where it is missing."""
+    if name == "auto":
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    try:
+        torch.empty(1, device=name)
+        return torch.device(name)
+    except (RuntimeError, AssertionError) as error:  # of torch: no such device, or not compiled in
+        raise InputError(
+            f"no device '{name}' here: {str(error).splitlines()[0]}: leave --device out"
+        ) from error
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tensors:
+    """A batch and its targets, where the network is."""
+
+    nodes: Tensor
+    edges: Tensor
+    senders: Tensor
+    receivers: Tensor
+    whole: Tensor
+    node_of: Tensor
+    edge_of: Tensor
+    wanted_nodes: Tensor
+    wanted_whole: Tensor
+
+    @classmethod
+    def of(cls, examples: Sequence[GraphExample], device: torch.device) -> "_Tensors":
+        batch = Batch.of([one.graph for one in examples])
+        wanted = np.concatenate([one.nodes for one in examples]), np.stack([one.whole for one in examples])
+        indices = batch.senders, batch.receivers, batch.whole, batch.node_of, batch.edge_of
+        arrays = (batch.nodes, batch.edges, *indices, *wanted)
+        return cls(*(torch.from_numpy(array).to(device) for array in arrays))
+
+
+def fit_graph_network(
+    examples: Sequence[GraphExample], loss: GraphLoss, training: GraphTraining, seed: int, device: str
+) -> GraphFitted:
+    """Fit a network; batches keep the examples' order. Raises InputError where there are too few examples.
+
+    The weights with the best loss on the examples held out are kept: a copy of them, as training goes on.
+    """
+    if len(examples) < 2:
+        raise InputError(
+            f"{len(examples)} examples are too few for a graph network: give more demonstrations"
+        )
+    place = device_of(device)
+    apart = max(1, int(training.held_out * len(examples)))
+    judged, learned = [
+        [_Tensors.of(part[i : i + training.batch], place) for i in range(0, len(part), training.batch)]
+        for part in (examples[:apart], examples[apart:])
+    ]
+    first = examples[0]
+    columns = first.graph.nodes.shape[1], first.graph.edges.shape[1], len(first.graph.whole)
+    parameters = _initial(shapes(columns, first.nodes.shape[1], len(first.whole)), seed, place)
+    optimizer = torch.optim.Adam(parameters.values(), lr=training.learning_rate, fused=True)
+    epochs = training.epochs
+    if training.iterations is not None:
+        epochs = min(epochs, max(1, training.iterations // len(learned)))
+    total = epochs * len(learned)
+    scheduler = torch.optim.lr_scheduler.LambdaLR(
+        optimizer, lambda step: 0.5 * (1 + cos(pi * step / total)) if training.decay else 1.0
+    )
+    best: dict[str, Array32] = {}
+    best_loss = float("inf")
+    for epoch in range(epochs + 1):
+        if epoch % training.check_every == 0 or epoch == epochs:
+            with torch.no_grad():
+                losses = [float(_loss(parameters, batch, loss)) for batch in judged]
+            found = float(np.average(losses, weights=[len(batch.whole) for batch in judged]))
+            if found < best_loss or not best:
+                best_loss = found
+                best = {name: values.detach().cpu().numpy().copy() for name, values in parameters.items()}
+        for batch in learned if epoch < epochs else ():
+            optimizer.zero_grad()
+            torch.autograd.backward(_loss(parameters, batch, loss))
+            optimizer.step()
+            scheduler.step()
+    return GraphFitted(GraphNetwork(best), best_loss, epochs)
+
+
+def _loss(parameters: Parameters, batch: _Tensors, loss: GraphLoss) -> Tensor:
+    nodes, whole = forward(parameters, batch)
+    return loss(nodes, whole, batch.wanted_nodes, batch.wanted_whole)
+
+
+def _initial(sizes: dict[str, tuple[int, ...]], seed: int, device: torch.device) -> Parameters:
+    """Return initial values as PyTorch's layers have them; the same on every device."""
+    generator = torch.Generator().manual_seed(seed)
+    parameters: Parameters = {}
+    for name, shape in sizes.items():
+        if ".norm." in name:
+            values = torch.full(shape, 1.0 if name.endswith("weights") else 0.0)
+        else:
+            fan_in = sizes[name.replace("biases", "weights")][0]
+            bound = 1 / sqrt(fan_in)
+            values = torch.empty(shape).uniform_(-bound, bound, generator=generator)
+        parameters[name] = values.to(device).requires_grad_()
+    return parameters
+
+
+def forward(parameters: Parameters, batch: _Tensors) -> tuple[Tensor, Tensor]:
+    """Return the outputs of all nodes and of all graphs.
+
+    Linear layers read what stands beside each other part by part, so that what many edges have in common is
+    multiplied once, for the node or the graph that they have it from.
+    """
+    nodes = first_nodes = _block(parameters, "encode.nodes", _plain(parameters, "encode.nodes", batch.nodes))
+    edges = first_edges = _block(parameters, "encode.edges", _plain(parameters, "encode.edges", batch.edges))
+    whole = first_whole = _block(parameters, "encode.whole", _plain(parameters, "encode.whole", batch.whole))
+    wide = 2 * WIDTH
+    by_receiver, by_sender, by_edge, by_whole = torch.split(parameters["round.edges.0.weights"], wide)
+    for _ in range(ROUNDS):
+        nodes_now = torch.cat([first_nodes, nodes], 1)
+        whole_now = torch.cat([first_whole, whole], 1)
+        hidden = torch.addmm(parameters["round.edges.0.biases"], torch.cat([first_edges, edges], 1), by_edge)
+        hidden = hidden + (nodes_now @ by_receiver).index_select(0, batch.receivers)
+        hidden = hidden + (nodes_now @ by_sender).index_select(0, batch.senders)
+        hidden = hidden + (whole_now @ by_whole).index_select(0, batch.edge_of)
+        edges = _block(parameters, "round.edges", hidden)
+        arrived = _sums(edges, batch.receivers, len(nodes))
+        own, by_arrived, from_whole = torch.split(parameters["round.nodes.0.weights"], [wide, WIDTH, wide])
+        hidden = torch.addmm(parameters["round.nodes.0.biases"], nodes_now, own) + arrived @ by_arrived
+        hidden = hidden + (whole_now @ from_whole).index_select(0, batch.node_of)
+        nodes = _block(parameters, "round.nodes", hidden)
+        count = len(whole)
+        sums = [_sums(nodes, batch.node_of, count), _sums(edges, batch.edge_of, count)]
+        whole = _block(
+            parameters,
+            "round.whole",
+            _plain(parameters, "round.whole", torch.cat([whole_now, *sums], 1)),
+        )
+    return _decode(parameters, "nodes", nodes), _decode(parameters, "whole", whole)
+
+
+def _plain(parameters: Parameters, block: str, rows: Tensor) -> Tensor:
+    """Apply a block's first linear layer."""
+    return torch.addmm(parameters[f"{block}.0.biases"], rows, parameters[f"{block}.0.weights"])
+
+
+def _block(parameters: Parameters, block: str, hidden: Tensor) -> Tensor:
+    """Apply what follows a block's first linear layer."""
+    values = torch.addmm(parameters[f"{block}.1.biases"], hidden.relu(), parameters[f"{block}.1.weights"])
+    weights, biases = parameters[f"{block}.norm.weights"], parameters[f"{block}.norm.biases"]
+    return layer_norm(values, (WIDTH,), weights, biases, EPSILON)
+
+
+def _sums(rows: Tensor, groups: Tensor, count: int) -> Tensor:
+    """Add up rows by group."""
+    return rows.new_zeros(count, rows.shape[1]).index_add(0, groups, rows)
+
+
+def _decode(parameters: Parameters, part: str, values: Tensor) -> Tensor:
+    weights = parameters.get(f"decode.{part}.weights")
+    if weights is None:
+        return values.new_zeros(len(values), 0)
+    return torch.addmm(parameters[f"decode.{part}.biases"], values, weights)
