@@ -6,7 +6,7 @@ import platform
 import shlex
 import sys
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -15,8 +15,11 @@ import click
 import envs
 from bpns import __version__
 from cli._options import MAX_SEED, overwrite_option, progress_bar
+from learning import approaches
+from learning.approaches import Learning
 from learning.demonstrations import read_demonstrations, read_environment_name
 from learning.saved import check_model_output, entry_of, write_model
+from learning.saved_graphs import graph_entry
 from symbolic.describe import operator_text
 from symbolic.environment import domain_of
 from symbolic.pddl.write import model_names
@@ -34,6 +37,15 @@ from symbolic.pddl.write import model_names
     show_default=True,
     help="Context objects and short training, or the paper's operators and training, which takes minutes.",
 )
+@click.option("--approach", default="bpns", show_default=True, help="See 'bpns approaches'.")
+@click.option(
+    "--min-share",
+    type=click.FloatRange(0, 1),
+    help="Share of all segments below which an operator is dropped; 0: no filter.  [default: 0.01]",
+)
+@click.option(
+    "--device", default="auto", show_default=True, help="For graph networks: cpu, cuda; auto: a GPU if any."
+)
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @overwrite_option
 def command(
@@ -42,23 +54,37 @@ def command(
     environment: str | None,
     seed: int | None,
     preset: str,
+    approach: str,
+    min_share: float | None,
+    device: str,
     workers: int,
     overwrite: bool,
 ) -> None:
-    """Learn operators, policies and samplers from DEMONSTRATIONS, and save them as a model folder."""
+    """Learn operators, policies and samplers from DEMONSTRATIONS, and save them as a model folder.
+
+    With --approach: whatever that approach learns in their place.
+    """
+    learn = approaches.load(approach).learn
+    if learn is None:
+        raise click.UsageError(f"'{approach}' learns nothing: {approaches.load(approach).summary}")
     load = environment or read_environment_name(demonstrations)
     world = envs.load(load)
     data = read_demonstrations(demonstrations, world)
     seed = data.seed if seed is None else seed
     check_model_output(out, overwrite)
     model_names(domain_of(world, ()))  # before minutes of training: will this be fit for PDDL?
-    from learning.skills import SkillConfig, learn_skills  # torch: slow to import
+    from learning.graph_training import GraphTraining, device_of  # torch: slow to import
+    from learning.skills import SkillConfig
 
+    device_of(device)  # is it there?
     gc.freeze()  # what was read stays: looking through it again and again takes seconds
     config = SkillConfig.paper() if preset == "paper" else SkillConfig()
+    if min_share is not None:
+        config = replace(config, min_share=min_share)
+    graphs = GraphTraining() if preset == "paper" else GraphTraining.fast()
     start, start_cpu = time.perf_counter(), _cpu_seconds()
     with progress_bar("training") as progress:
-        learned = learn_skills(world, data, config, seed, workers, progress)
+        learned = learn(world, data, Learning(config, graphs, seed, workers, device, progress))
     seconds, cpu = time.perf_counter() - start, _cpu_seconds() - start_cpu
     count = len(data.demonstrations)
     header = (
@@ -68,22 +94,31 @@ def command(
     )
     run = {
         **_program(),
+        "approach": approach.replace("-", "_"),
         "preset": preset,
         "settings": asdict(config),
+        "graphs": asdict(graphs),
         "seed": seed,
         "demonstrations": {"seed": data.seed, "asked": data.asked, "given": count},
         "seconds": round(seconds, 3),
         "cpu_seconds": round(cpu, 3),
     }
-    skills = [(one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in learned]
-    write_model(out, world, load, seed, skills, run, header)
-    for one in learned:
+    skills = [
+        (one.skill, entry_of(one.skill, one.segments, one.demonstrations, one.fits)) for one in learned.skills
+    ]
+    graph = None if learned.graph is None else (learned.graph, graph_entry(learned.graph, learned.fit))
+    write_model(out, world, load, seed, skills, run, header, approach.replace("-", "_"), graph)
+    for one in learned.skills:
         support = f"(from {one.demonstrations} demonstrations, {one.segments} segments)"
         click.echo(f"{operator_text(one.skill.operator)}\n  {support}")
         if not one.skill.operator.preconditions:
             click.echo("  no preconditions: do the predicates name every object that matters?")
         click.echo()
-    click.echo(f"learned {len(learned)} skills in {seconds:.1f} s: {out}")
+    if learned.graph is not None:
+        loss, epochs = learned.fit
+        kind = "chooses among them" if learned.graph.skills else "gives the actions"
+        click.echo(f"a graph network {kind} (loss on held-out examples {loss:.4g}, {epochs} epochs)")
+    click.echo(f"learned {len(learned.skills)} skills in {seconds:.1f} s: {out}")
 
 
 def _program() -> dict[str, str]:

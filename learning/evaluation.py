@@ -8,6 +8,7 @@ from time import monotonic
 from typing import Any
 
 from learning.parallel import parallel_map
+from learning.reactive import GraphModel, react
 from symbolic.adaptive import adaptive
 from symbolic.bilevel import Plan, solve
 from symbolic.environment import Budget, Environment, sample_tasks
@@ -29,6 +30,7 @@ class Solver:
     budget: Budget
     timeout: float | None = None  # seconds per task
     strategy: Strategy = adaptive
+    graph: GraphModel | None = None  # acts in place of the planner
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +60,32 @@ class Result:
 
 
 def evaluate_task(solver: Solver, numbered: tuple[int, int, Task]) -> Result:
-    """Plan for a task and carry the plan out; the planner's seed is the run's plus the task's number."""
+    """Plan for a task and carry the plan out; the planner's seed is the run's plus the task's number.
+
+    Where a graph network acts in place of a planner, nothing is planned or refined.
+    """
     seed, index, task = numbered
     deadline = None if solver.timeout is None else monotonic() + solver.timeout
+    if solver.graph is not None:
+        execution, episode = react(
+            solver.environment, task, solver.graph, solver.skills, seed + index + 1, deadline
+        )
+        return Result(
+            seed=seed,
+            task=index,
+            planned=None,
+            refined=None,
+            executed=execution.success,
+            fault=execution.fault,
+            dead_ends=(),
+            nodes_created=0,
+            nodes_expanded=0,
+            abstract_plans=0,
+            samples=episode.samples,
+            plan_length=len(episode.steps),
+            planning_seconds=0.0,
+            policy_seconds=execution.policy_seconds,
+        )
     outcome = solve(
         solver.environment,
         task,

@@ -35,6 +35,11 @@ class GraphTraining:
     iterations: int | None = None
     decay: bool = False
 
+    @classmethod
+    def fast(cls) -> "GraphTraining":
+        """Return ours: fewer and larger steps, so that training takes minutes at most."""
+        return cls(learning_rate=1e-2, check_every=10, iterations=4000, decay=True)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraphExample:

@@ -90,3 +90,16 @@ class LearnedPolicy:
             )
 
         return act
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PassThrough:
+    """Takes the subgoal as its one action, clipped into the box. Source: spec, baselines.md section 5."""
+
+    low: Array  # (A,)
+    high: Array  # (A,)
+
+    def begin(self, state: State, objects: tuple[Object, ...], subgoal: Array) -> Controller:
+        """Hand the subgoal, (A,), on; see Policy."""
+        left = iter([np.clip(subgoal, self.low, self.high).astype(np.float32)])
+        return lambda _: next(left, None)

@@ -15,14 +15,16 @@ from safetensors import SafetensorError
 from safetensors.numpy import load_file, save
 
 from learning.networks import Array32, Network, Scaling
-from learning.policies import Changing, LearnedPolicy
+from learning.policies import Changing, LearnedPolicy, PassThrough
+from learning.reactive import GraphModel
 from learning.samplers import LearnedSampler
+from learning.saved_graphs import GraphEntry, graph_tensors, read_graph
 from symbolic.environment import Environment, domain_of
 from symbolic.errors import InputError
 from symbolic.files import check_output, read_json, replacing_folder, write_json
 from symbolic.pddl.read import read_domain
 from symbolic.pddl.write import model_names, write_domain
-from symbolic.skills import GivenPolicy, Skill
+from symbolic.skills import GivenPolicy, Policy, Skill, never
 from symbolic.structs import Domain, LiftedAtom, Object, Operator, Variable
 
 FORMAT = "bpns model 2"
@@ -48,6 +50,7 @@ class SkillEntry(BaseModel):
     demonstrations: int  # that these segments are of
     training: dict[str, tuple[float, int]]  # network -> best loss, iterations
     given: GivenEntry | None = None  # instead of learned networks
+    pass_through: bool = False  # the sampler proposes actions, and the policy hands them on
 
 
 class ModelFile(BaseModel):
@@ -60,17 +63,20 @@ class ModelFile(BaseModel):
     load: str  # how to ask for the environment: its name or MODULE:ATTRIBUTE
     seed: int
     skills: dict[str, SkillEntry]
+    graph: GraphEntry | None = None  # chooses skills, or actions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SavedModel:
     """A model as loaded."""
 
+    approach: str
     environment: Environment
     seed: int
     domain: Domain
     skills: Mapping[str, Skill]
     entries: Mapping[str, SkillEntry]
+    graph: GraphModel | None = None
 
 
 # --------------------------------------------------------------------------------------------- save
@@ -84,6 +90,8 @@ def write_model(
     skills: Sequence[tuple[Skill, SkillEntry]],
     run: Mapping[str, Any],
     header: str,
+    approach: str = "bpns",
+    graph: tuple[GraphModel, GraphEntry] | None = None,
 ) -> None:
     """Write a model folder in one piece, in the place of one that may be there.
 
@@ -100,15 +108,17 @@ def write_model(
         }
         (temporary / "domain.pddl").write_text(write_domain(domain, header, comments), encoding="utf-8")
         tensors = {n: t for skill, entry in skills if not entry.given for n, t in _tensors(skill).items()}
+        tensors |= graph_tensors(graph[0]) if graph else {}
         (temporary / "skills.safetensors").write_bytes(save(tensors))
         entries = {skill.operator.name: entry for skill, entry in skills}
         file = ModelFile(
             format=FORMAT,
-            approach="bpns",
+            approach=approach,
             environment=environment.name,
             load=load,
             seed=seed,
             skills=entries,
+            graph=graph[1] if graph else None,
         )
         write_json(temporary / "skills.json", file.model_dump(mode="json"))
         write_json(temporary / "run.json", run)
@@ -137,8 +147,7 @@ def entry_of(
     if isinstance(skill.policy, GivenPolicy):
         arguments = [parameters[place].name for place in skill.policy.places]
         given = GivenEntry(skill=skill.policy.given.name, arguments=arguments)
-    else:
-        assert isinstance(skill.policy, LearnedPolicy)
+    elif isinstance(skill.policy, LearnedPolicy):
         changing = skill.policy.changing
     return SkillEntry(
         parameters=[(v.name, v.type.name) for v in parameters],
@@ -148,16 +157,19 @@ def entry_of(
         demonstrations=demonstrations,
         training=dict(training),
         given=given,
+        pass_through=isinstance(skill.policy, PassThrough),
     )
 
 
 def _tensors(skill: Skill) -> dict[str, Array32]:
     """Return a skill's arrays by name: OPERATOR.PART.NAME."""
     policy, sampler = skill.policy, skill.sampler
-    assert isinstance(policy, LearnedPolicy)
     assert isinstance(sampler, LearnedSampler)
     found: dict[str, Array32] = {}
-    parts = {"policy": policy.network, "discriminator": sampler.discriminator}
+    parts = {"discriminator": sampler.discriminator}
+    outputs = {"generator": sampler.subgoals}
+    if isinstance(policy, LearnedPolicy):
+        parts["policy"], outputs["policy"] = policy.network, policy.actions
     parts |= {f"generator-{number}": network for number, network in enumerate(sampler.generators)}
     for part, network in parts.items():
         if network is not None:
@@ -166,7 +178,7 @@ def _tensors(skill: Skill) -> dict[str, Array32]:
             for number, (weights, biases) in enumerate(network.layers):
                 found[f"{part}.{number}.weights"] = weights
                 found[f"{part}.{number}.biases"] = biases
-    for part, scaling in {"policy": policy.actions, "generator": sampler.subgoals}.items():
+    for part, scaling in outputs.items():
         found[f"{part}.outputs.shift"] = scaling.shift
         found[f"{part}.outputs.scale"] = scaling.scale
     return {f"{skill.operator.name}.{n}": np.ascontiguousarray(t, np.float32) for n, t in found.items()}
@@ -232,7 +244,11 @@ def read_model(folder: Path, environment: Environment) -> SavedModel:
             f"{folder / 'skills.safetensors'}: broken: {error}: learn the model again"
         ) from error
     skills = {n: _skill(by_name[n], file.skills[n], tensors, environment, folder) for n in by_name}
-    return SavedModel(environment, file.seed, domain_of(environment, operators), skills, file.skills)
+    own_domain = domain_of(environment, operators)
+    graph = None
+    if file.graph is not None:
+        graph = read_graph(file.graph, operators, len(environment.action_low), tensors, folder)
+    return SavedModel(file.approach, environment, file.seed, own_domain, skills, file.skills, graph)
 
 
 def bind_operators(domain: Domain, environment: Environment, path: Path) -> tuple[Operator, ...]:
@@ -299,7 +315,8 @@ def _skill(
         return _given(operator, entry, entry.given, environment, folder)
     changing = _changing(operator, entry, folder)
     size = sum(len(v.type.features) for v in operator.parameters) + 1
-    dimension, actions = len(changing), len(environment.action_low)
+    actions = len(environment.action_low)
+    dimension = actions if entry.pass_through else len(changing)
 
     def take(name: str, *shape: int) -> Array32:
         tensor = tensors.get(f"{operator.name}.{name}")
@@ -325,16 +342,18 @@ def _skill(
         return Network(scaling(f"{part}.inputs", columns), layers)
 
     box = environment.action_low, environment.action_high
-    policy = LearnedPolicy.of(
-        changing, network("policy", size + dimension, actions), scaling("policy.outputs", actions), box
-    )
+    policy: Policy = PassThrough(*box)
+    if not entry.pass_through:
+        outputs = scaling("policy.outputs", actions)
+        policy = LearnedPolicy.of(changing, network("policy", size + dimension, actions), outputs, box)
     names = [name for name in entry.training if name.startswith("generator-")]
     generators = tuple(network(name, size, 2 * dimension) for name in names)
     discriminator = None
     if "discriminator" in entry.training:
         discriminator = network("discriminator", size + dimension, 1)
     sampler = LearnedSampler.of(dimension, generators, scaling("generator.outputs", dimension), discriminator)
-    return Skill(operator, policy, sampler, max_actions=entry.max_actions)
+    terminal = never if entry.pass_through else None
+    return Skill(operator, policy, sampler, terminal, entry.max_actions)
 
 
 def _given(

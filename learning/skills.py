@@ -125,7 +125,7 @@ def learn_skills(
     changing = [
         () if operator.given or not config.subgoals else changing_features(operator) for operator in operators
     ]
-    config = _shared_out(config, sum(operator.given is None for operator in operators))
+    config = shared_out(config, sum(operator.given is None for operator in operators))
     rng = np.random.default_rng(seed)
     jobs = [
         job
@@ -170,7 +170,7 @@ def fits_of(fitted: FittedParts) -> dict[str, tuple[float, int]]:
     return {part: (result.loss, result.iterations) for part, (result, _) in fitted.items()}
 
 
-def _shared_out(config: SkillConfig, skills: int) -> SkillConfig:
+def shared_out(config: SkillConfig, skills: int) -> SkillConfig:
     """Give every network its part of the iterations that all share."""
 
     def limited(training: Training, total: int | None, networks: int) -> Training:

@@ -9,6 +9,7 @@ from symbolic.adaptive import adaptive
 from symbolic.environment import Budget, Environment, domain_of, problem_of
 from symbolic.grounding import OutOfTime, Unreachable, ground
 from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord
+from symbolic.planners._idle import WithIdleSteps
 from symbolic.refinement import DeadEnd, RefinedStep, RefinementRecord
 from symbolic.search import Search, Stopwatch, Strategy
 from symbolic.skills import Skill
@@ -76,6 +77,8 @@ def solve(
     if isinstance(grounded, OutOfTime):
         return NoPlan("time limit", "time limit reached while grounding", nothing, Counter())
     limit = Limit(budget.nodes, deadline)
+    if not all(s.operator.add_effects or s.operator.delete_effects for s in skills.values()):
+        planner = WithIdleSteps(planner)
     search = Search(environment, task, skills, planner, grounded, budget, seed, limit, watch)
     refined = strategy(search)
     effort = Effort(

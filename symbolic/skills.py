@@ -42,7 +42,8 @@ class Sampler(Protocol):
         ...
 
 
-def _never(_: State, __: tuple[Object, ...]) -> bool:
+def never(_: State, __: tuple[Object, ...]) -> bool:
+    """Say that a skill is not over: for those whose controller says so itself."""
     return False
 
 
@@ -113,7 +114,7 @@ class Skill:
     def of_given(cls, operator: Operator, given: GivenSkill, arguments: tuple[Variable, ...]) -> "Skill":
         """Make a given skill happen as an operator; ``arguments`` are the parameters that it gets."""
         policy = GivenPolicy(given, tuple(operator.parameters.index(v) for v in arguments))
-        return cls(operator, policy, NoSampler(), _never)
+        return cls(operator, policy, NoSampler(), never)
 
 
 @dataclass(frozen=True, slots=True)

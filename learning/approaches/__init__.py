@@ -1,7 +1,7 @@
 """Approaches: one module is one way from demonstrations to what solves tasks; its file name is its name."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -34,7 +34,7 @@ class Learned:
 
     skills: "tuple[LearnedSkill, ...]" = ()
     graph: GraphModel | None = None
-    fits: dict[str, tuple[float, int]] = field(default_factory=dict)  # of the graph network: loss, epochs
+    fit: tuple[float, int] = (0.0, 0)  # of the graph network: best loss, epochs
 
 
 Learn: TypeAlias = Callable[[Environment, Demonstrations, Learning], Learned]

@@ -49,7 +49,7 @@ def metacontroller(data: Demonstrations, learned: Learned, how: Learning) -> Lea
         examples.append(GraphExample(graph, arguments, kinds[number]))
     fitted = fit_graph_network(examples, choice_loss, how.graphs, how.seed, how.device)
     model = GraphModel(schema, fitted.network, tuple(one.skill.operator.name for one in skills))
-    return Learned(learned.skills, model, {"graph": (fitted.loss, fitted.epochs)})
+    return Learned(learned.skills, model, (fitted.loss, fitted.epochs))
 
 
 def cloning(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
@@ -71,4 +71,4 @@ def cloning(environment: Environment, data: Demonstrations, how: Learning) -> Le
         for state, atoms, goal, action in rows
     ]
     fitted = fit_graph_network(examples, action_loss, how.graphs, how.seed, how.device)
-    return Learned((), GraphModel(schema, fitted.network), {"graph": (fitted.loss, fitted.epochs)})
+    return Learned((), GraphModel(schema, fitted.network), (fitted.loss, fitted.epochs))

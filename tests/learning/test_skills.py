@@ -14,7 +14,7 @@ from learning.policies import changing_features, policy_examples
 from learning.samplers import discriminator_examples, generator_examples
 from learning.saved import entry_of, read_model, write_model
 from learning.segmentation import segment
-from learning.skills import LearnedSkill, SkillConfig, _shared_out, learn_skills
+from learning.skills import LearnedSkill, SkillConfig, learn_skills, shared_out
 from learning.training import Training
 from symbolic import planners
 from symbolic.bilevel import Plan, solve
@@ -144,6 +144,6 @@ def test_cover_is_learned_and_solved() -> None:
     ("skills", "policy", "generator"), [(0, 1500, 1200), (1, 1500, 1200), (10, 900, 700)]
 )
 def test_networks_share_the_iterations(skills: int, policy: int, generator: int) -> None:
-    shared = _shared_out(SkillConfig(), skills)
+    shared = shared_out(SkillConfig(), skills)
     assert (shared.policy.iterations, shared.generator.iterations) == (policy, generator)
-    assert _shared_out(SkillConfig.paper(), skills) == SkillConfig.paper()
+    assert shared_out(SkillConfig.paper(), skills) == SkillConfig.paper()
