@@ -86,6 +86,7 @@ class Subject:
     """Skills to plan with, and where they are from."""
 
     label: str
+    approach: str  # 'oracle', or what a model's skills.json says
     asked: str  # how the environment was asked for: its name, with options, or MODULE:ATTRIBUTE
     environment: Environment
     skills: Mapping[str, Skill]
@@ -105,14 +106,14 @@ def load_subject(model: Path | None, oracle: str | None, variant: str | None = N
         assert oracle is not None
         environment = envs.load(oracle)
         skills = {skill.operator.name: skill for skill in environment.oracle_skills}
-        return Subject(f"oracle:{oracle}", oracle, environment, skills, 0)
-    asked = variant or read_model_file(model).load
+        return Subject(f"oracle:{oracle}", "oracle", oracle, environment, skills, 0)
+    file = read_model_file(model)
+    asked = variant or file.load
     environment = envs.load(asked)
     saved = read_model(model, environment)
     label = model.name or str(model)
-    return Subject(
-        f"{label} in {variant}" if variant else label, asked, environment, saved.skills, saved.seed
-    )
+    label = f"{label} in {variant}" if variant else label
+    return Subject(label, file.approach, asked, environment, saved.skills, saved.seed)
 
 
 def strategy_and_budget(
