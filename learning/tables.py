@@ -19,6 +19,7 @@ NAMES = {
 }  # in the order of the rows
 EVERYWHERE = ("strategy", "planner")  # said where any two rows of a table differ
 AMONG_NAMESAKES = (
+    "learning_preset",
     "min_share",
     "plans",
     "samples_per_step",
@@ -26,7 +27,7 @@ AMONG_NAMESAKES = (
     "sample_limit",
     "node_limit",
     "timeout",
-)  # said where rows of one title and number of demonstrations differ
+)  # said where rows of one title differ, whatever their numbers of demonstrations: so a line has one name
 
 
 class RunName(NamedTuple):
@@ -124,11 +125,7 @@ def title(run: Run) -> str:
 
 
 def _differences(run: Run, group: Sequence[Run]) -> str:
-    namesakes = [
-        other
-        for other in group
-        if title(other) == title(run) and other.origin.demonstrations == run.origin.demonstrations
-    ]
+    namesakes = [other for other in group if title(other) == title(run)]
     own = _settings(run)
     found = []
     for name in (*EVERYWHERE, *AMONG_NAMESAKES):
@@ -141,7 +138,10 @@ def _differences(run: Run, group: Sequence[Run]) -> str:
 
 
 def _settings(run: Run) -> dict[str, Any]:
-    return {**asdict(run.origin), **asdict(run)}
+    found = {**asdict(run.origin), **asdict(run)}
+    if run.preset == "paper":
+        found["strategy"] = None  # the title says it
+    return found
 
 
 def remarks(row: Row) -> list[str]:
