@@ -145,6 +145,8 @@ def _check_format(store: Store, path: Path, create: bool) -> None:
     application = store.execute("PRAGMA application_id").fetchone()[0]
     version = store.execute("PRAGMA user_version").fetchone()[0]
     store.execute("COMMIT")
+    if empty and not create:
+        raise InputError(f"{path} holds no results yet")
     if application != APPLICATION:
         raise InputError(f"{path}: a database, but not of results: give another one")
     if version != FORMAT:

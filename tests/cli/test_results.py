@@ -42,8 +42,9 @@ def start(*words: str | int | Path) -> subprocess.Popen[str]:
 
 
 def count(path: Path) -> int:
+    """Return the number of rows; open to write, which mends what a killed process left in the middle."""
     try:
-        with closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as store:
+        with closing(sqlite3.connect(f"{path.as_uri()}?mode=rw", uri=True)) as store:
             found: int = store.execute("SELECT count(*) FROM results").fetchone()[0]
             return found
     except sqlite3.OperationalError:  # no file yet, or no table

@@ -230,6 +230,11 @@ def test_a_file_of_another_kind_stays_as_it_is(tmp_path: Path) -> None:
             with pytest.raises(InputError, match=message), open_results(tmp_path / name, create):
                 pass
         assert not name or (tmp_path / name).read_bytes() == before
+    (tmp_path / "empty").touch()  # as a process leaves it that is killed at the very start
+    with pytest.raises(InputError, match="holds no results yet"), open_results(tmp_path / "empty"):
+        pass
+    with open_results(tmp_path / "empty", create=True) as store:
+        assert read_all_results(store) == {}
     with pytest.raises(InputError, match=r"no results .*: make them with"), open_results(tmp_path / "none"):
         pass
     assert not (tmp_path / "none").exists()
