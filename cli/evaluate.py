@@ -97,25 +97,16 @@ def command(
     subjects = [load_subject(model, oracle, environment) for model in chosen or [None]]
     if len({subject.environment.name for subject in subjects}) > 1:
         raise click.UsageError("the models are of several environments: evaluate them one by one")
-    work = [(subject, seeds or [subject.seed]) for subject in subjects]
     labels = [subject.label for subject in subjects]
     if len(set(labels)) < len(labels):
         labels = [str(model) for model in models]
-    results: list[tuple[int, Result]] = []  # with the number of the subject
-    total = tasks * sum(len(own) for _, own in work)
-    found = 0  # in the file
     jobs = []
-    for model, (subject, own) in zip(chosen or [None], work, strict=True):
+    for model, subject in zip(chosen or [None], subjects, strict=True):
         world = subject.environment
         name, refine, budget = strategy_and_budget(world, preset, strategy, plans, samples, per_plan)
         solver = Solver(world, subject.skills, planners.load(planner), budget, timeout, refine)
-        jobs.append((solver, _run(subject, model, solver, preset, name, plans), own))
-    with progress_bar("evaluating") as progress, open_results(out, True) if out else nullcontext() as store:
-        for index, (solver, run, own) in enumerate(jobs):
-            known = _known(store, run, own, tasks)
-            note = _note(store, run, progress, len(results) + len(known), total)
-            results += [(index, result) for result in evaluate(solver, own, tasks, workers, note, known)]
-            found += len(known)
+        jobs.append((solver, _run(subject, model, solver, preset, name, plans), seeds or [subject.seed]))
+    results, found = _evaluate(jobs, tasks, workers, out)
     if as_json:
         rows = [{"model": labels[index], **asdict(result)} for index, result in results]
         how = {"preset": preset, "strategy": name} | ({"found": found} if out else {})
@@ -124,7 +115,7 @@ def command(
     else:
         click.echo(f"search: preset {preset}, strategy {name}, planner {solver.planner.name}")
         if out:
-            click.echo(f"{found} of {total} tasks were in {out} already")
+            click.echo(f"{found} of {len(results)} tasks were in {out} already")
         _print(results, labels)
 
 
@@ -135,19 +126,35 @@ def _run(
     budget = solver.budget
     exhaustive = strategy == "exhaustive"  # the adaptive search has no limits of these kinds of its own
     return Run(
-        subject.asked,
-        ORACLE if model is None else read_origin(model),
-        preset,
-        strategy,
-        solver.planner.name,
-        budget.abstract_plans if exhaustive else plans,
-        budget.samples_per_step if exhaustive else None,
-        budget.samples_per_plan if exhaustive else None,
-        budget.samples,
-        budget.nodes,
-        solver.timeout,
-        __version__,
+        environment=subject.asked,
+        origin=ORACLE if model is None else read_origin(model),
+        preset=preset,
+        strategy=strategy,
+        planner=solver.planner.name,
+        plans=budget.abstract_plans if exhaustive else plans,
+        samples_per_step=budget.samples_per_step if exhaustive else None,
+        samples_per_plan=budget.samples_per_plan if exhaustive else None,
+        sample_limit=budget.samples,
+        node_limit=budget.nodes,
+        timeout=solver.timeout,
+        version=__version__,
     )
+
+
+def _evaluate(
+    jobs: list[tuple[Solver, Run, list[int]]], tasks: int, workers: int, out: Path | None
+) -> tuple[list[tuple[int, Result]], int]:
+    """Return the results of each job on its seeds, with the job's number, and how many the file had."""
+    results: list[tuple[int, Result]] = []
+    found = 0
+    total = tasks * sum(len(seeds) for _, _, seeds in jobs)
+    with progress_bar("evaluating") as progress, open_results(out, True) if out else nullcontext() as store:
+        for index, (solver, run, seeds) in enumerate(jobs):
+            known = _known(store, run, seeds, tasks)
+            note = _note(store, run, progress, len(results) + len(known), total)
+            results += [(index, result) for result in evaluate(solver, seeds, tasks, workers, note, known)]
+            found += len(known)
+    return results, found
 
 
 def _known(store: Store | None, run: Run, seeds: list[int], tasks: int) -> dict[tuple[int, int], Result]:
