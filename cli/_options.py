@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 import envs
+from learning.reactive import GraphModel
 from learning.saved import read_model, read_model_file
 from symbolic.adaptive import adaptive
 from symbolic.environment import Budget, Environment
@@ -33,7 +34,7 @@ plans_option = click.option(
 samples_option = click.option(
     "--samples",
     type=click.IntRange(1),
-    help="With --strategy exhaustive: subgoals to try per step (default: the environment's).",
+    help="Subgoals to try per step (default: no limit; exhaustive: the environment's).",
 )
 per_plan_option = click.option(
     "--samples-per-plan",
@@ -86,10 +87,12 @@ class Subject:
     """Skills to plan with, and where they are from."""
 
     label: str
+    approach: str  # 'oracle', or what a model's skills.json says
     asked: str  # how the environment was asked for: its name, with options, or MODULE:ATTRIBUTE
     environment: Environment
     skills: Mapping[str, Skill]
     seed: int
+    graph: GraphModel | None = None  # acts in place of a planner
 
 
 def load_subject(model: Path | None, oracle: str | None, variant: str | None = None) -> Subject:
@@ -105,14 +108,14 @@ def load_subject(model: Path | None, oracle: str | None, variant: str | None = N
         assert oracle is not None
         environment = envs.load(oracle)
         skills = {skill.operator.name: skill for skill in environment.oracle_skills}
-        return Subject(f"oracle:{oracle}", oracle, environment, skills, 0)
-    asked = variant or read_model_file(model).load
+        return Subject(f"oracle:{oracle}", "oracle", oracle, environment, skills, 0)
+    file = read_model_file(model)
+    asked = variant or file.load
     environment = envs.load(asked)
     saved = read_model(model, environment)
     label = model.name or str(model)
-    return Subject(
-        f"{label} in {variant}" if variant else label, asked, environment, saved.skills, saved.seed
-    )
+    label = f"{label} in {variant}" if variant else label
+    return Subject(label, file.approach, asked, environment, saved.skills, saved.seed, saved.graph)
 
 
 def strategy_and_budget(
@@ -129,9 +132,9 @@ def strategy_and_budget(
         raise click.UsageError("--preset paper searches exhaustively: leave it or --strategy adaptive out")
     name = strategy or ("adaptive" if preset == "default" else "exhaustive")
     if name == "adaptive":
-        if samples or per_plan:
-            raise click.UsageError("--samples and --samples-per-plan go with --strategy exhaustive")
-        return name, replace(adaptive, plans=plans), budget
+        if per_plan:
+            raise click.UsageError("--samples-per-plan goes with --strategy exhaustive")
+        return name, replace(adaptive, plans=plans, samples=samples), budget
     own = replace(
         budget,
         abstract_plans=plans or budget.abstract_plans,

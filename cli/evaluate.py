@@ -3,17 +3,16 @@
 import json
 from collections import Counter
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import asdict
-from functools import partial
-from math import isnan
+from itertools import count
 from pathlib import Path
 
 import click
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
+from bpns import __version__
 from cli._options import (
+    Subject,
     environment_option,
     json_option,
     load_subject,
@@ -28,7 +27,10 @@ from cli._options import (
     strategy_option,
     timeout_option,
 )
-from learning.evaluation import Result, Solver, Summary, evaluate, summarize
+from cli._summary import cells, new_table, print_table, summary_json
+from learning.evaluation import Result, Solver, evaluate, summarize
+from learning.origin import ORACLE, read_origin
+from learning.results import Run, Store, add_result, open_results, read_results
 from symbolic import planners
 
 
@@ -59,6 +61,11 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
 @preset_option
 @strategy_option
 @timeout_option
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Add each result to this file (SQLite) when it is there; do not run again what it has.",
+)
 @click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
 @json_option
 def command(
@@ -74,13 +81,15 @@ def command(
     preset: str,
     strategy: str | None,
     timeout: float | None,
+    out: Path | None,
     workers: int,
     as_json: bool,
 ) -> None:
     """Evaluate MODELS of one environment on its evaluation tasks: planned, refined, executed.
 
     Means over models and seeds with the population standard deviation. Times are wall clock per solved
-    task: for figures that you report, use one worker, which is the default.
+    task: for figures that you report, use one worker, which is the default. 'bpns results' prints tables of
+    what one or many evaluations added to one file.
     """
     if bool(models) == (oracle is not None):
         raise click.UsageError("give MODEL folders or --oracle ENVIRONMENT (one of them)")
@@ -88,36 +97,92 @@ def command(
     subjects = [load_subject(model, oracle, environment) for model in chosen or [None]]
     if len({subject.environment.name for subject in subjects}) > 1:
         raise click.UsageError("the models are of several environments: evaluate them one by one")
-    work = [(subject, seeds or [subject.seed]) for subject in subjects]
     labels = [subject.label for subject in subjects]
     if len(set(labels)) < len(labels):
         labels = [str(model) for model in models]
-    results: list[tuple[int, Result]] = []  # with the number of the subject
-    total = tasks * sum(len(own) for _, own in work)
-    with progress_bar("evaluating") as progress:
-        for index, (subject, own) in enumerate(work):
-            world = subject.environment
-            name, refine, budget = strategy_and_budget(world, preset, strategy, plans, samples, per_plan)
-            solver = Solver(world, subject.skills, planners.load(planner), budget, timeout, refine)
-            note = partial(_note, progress, len(results), total)
-            found = evaluate(solver, own, tasks, workers, note)
-            results += [(index, result) for result in found]
-    summary = summarize(_runs(results))
+    jobs = []
+    for model, subject in zip(chosen or [None], subjects, strict=True):
+        world = subject.environment
+        name, refine, budget = strategy_and_budget(world, preset, strategy, plans, samples, per_plan)
+        own = planners.load(planner)
+        solver = Solver(world, subject.skills, own, budget, timeout, refine, subject.graph)
+        run = _run(subject, model, solver, preset, name, plans, samples)
+        jobs.append((solver, run, seeds or [subject.seed]))
+    results, found = _evaluate(jobs, tasks, workers, out)
     if as_json:
         rows = [{"model": labels[index], **asdict(result)} for index, result in results]
-        means = {
-            key: None if isnan(mean) else {"mean": mean, "std": std}  # nan: no task to average over
-            for key, (mean, std) in asdict(summary).items()
-        }
-        how = {"preset": preset, "strategy": name}
+        how = {"preset": preset, "strategy": name} | ({"found": found} if out else {})
+        means = summary_json(summarize(_runs(results)))
         click.echo(json.dumps({**how, "summary": means, "tasks": rows}, indent=2, allow_nan=False))
     else:
         click.echo(f"search: preset {preset}, strategy {name}, planner {solver.planner.name}")
-        _print(results, labels, summary)
+        if out:
+            click.echo(f"{found} of {len(results)} tasks were in {out} already")
+        _print(results, labels)
 
 
-def _note(progress: Callable[[int, int], None], before: int, total: int, done: int) -> None:
-    progress(before + done, total)
+def _run(
+    subject: Subject,
+    model: Path | None,
+    solver: Solver,
+    preset: str,
+    strategy: str,
+    plans: int | None,
+    samples: int | None,
+) -> Run:
+    """Describe a run for the file: all that decides its results."""
+    budget = solver.budget
+    exhaustive = strategy == "exhaustive"  # the adaptive search has no limits unless it is given some
+    return Run(
+        environment=subject.asked,
+        origin=ORACLE if model is None else read_origin(model),
+        preset=preset,
+        strategy=strategy,
+        planner=solver.planner.name,
+        plans=budget.abstract_plans if exhaustive else plans,
+        samples_per_step=budget.samples_per_step if exhaustive else samples,
+        samples_per_plan=budget.samples_per_plan if exhaustive else None,
+        sample_limit=budget.samples,
+        node_limit=budget.nodes,
+        timeout=solver.timeout,
+        version=__version__,
+    )
+
+
+def _evaluate(
+    jobs: list[tuple[Solver, Run, list[int]]], tasks: int, workers: int, out: Path | None
+) -> tuple[list[tuple[int, Result]], int]:
+    """Return the results of each job on its seeds, with the job's number, and how many the file had."""
+    results: list[tuple[int, Result]] = []
+    found = 0
+    total = tasks * sum(len(seeds) for _, _, seeds in jobs)
+    with progress_bar("evaluating") as progress, open_results(out, True) if out else nullcontext() as store:
+        for index, (solver, run, seeds) in enumerate(jobs):
+            known = _known(store, run, seeds, tasks)
+            note = _note(store, run, progress, len(results) + len(known), total)
+            results += [(index, result) for result in evaluate(solver, seeds, tasks, workers, note, known)]
+            found += len(known)
+    return results, found
+
+
+def _known(store: Store | None, run: Run, seeds: list[int], tasks: int) -> dict[tuple[int, int], Result]:
+    """Return what the file has of what is asked for, by seed and task."""
+    known = {} if store is None else read_results(store, run)
+    return {(s, t): result for (s, t), result in known.items() if s in seeds and t < tasks}
+
+
+def _note(
+    store: Store | None, run: Run, progress: Callable[[int, int], None], before: int, total: int
+) -> Callable[[Result], None]:
+    """Return what is to be done with each new result."""
+    numbers = count(before + 1)
+
+    def note(result: Result) -> None:
+        if store is not None:
+            add_result(store, run, result)
+        progress(next(numbers), total)
+
+    return note
 
 
 def _runs(results: list[tuple[int, Result]]) -> dict[tuple[int, int], list[Result]]:
@@ -128,53 +193,22 @@ def _runs(results: list[tuple[int, Result]]) -> dict[tuple[int, int], list[Resul
     return runs
 
 
-def _print(results: list[tuple[int, Result]], labels: list[str], summary: Summary) -> None:
+def _print(results: list[tuple[int, Result]], labels: list[str]) -> None:
     """Print one row per model and seed, their mean, and why tasks were not solved."""
-    table = Table(box=SIMPLE_HEAD)
-    table.add_column("model", no_wrap=True)
-    for column in (
-        "seed",
-        "tasks",
-        "planned %",
-        "refined %",
-        "solved %",
-        "nodes",
-        "plans",
-        "samples",
-        "time s",
-    ):
-        table.add_column(column, justify="right", no_wrap=True)
+    table = new_table(("model",), ("seed", "tasks"))
     runs = _runs(results)
     for (index, seed), rows in runs.items():
-        cells = [_number(mean, d) for (mean, _), d in _columns(summarize({0: rows}))]
-        table.add_row(labels[index], str(seed), str(len(rows)), *cells)
+        table.add_row(
+            labels[index], str(seed), str(len(rows)), *cells(summarize({0: rows}), deviations=False)
+        )
     if len(runs) > 1:
-        cells = [f"{_number(mean, d)} ({_number(std, d)})" for (mean, std), d in _columns(summary)]
         table.add_section()
-        table.add_row("mean (std)", "", str(len(results)), *cells)
-    Console(width=max(160, Console().width), highlight=False, markup=False, emoji=False).print(table)
-    for remark, count in Counter(remark for _, result in results for remark in result.remarks).most_common():
-        click.echo(f"the planner in {count} tasks: {remark}")
+        table.add_row("mean (std)", "", str(len(results)), *cells(summarize(runs), deviations=True))
+    print_table(table)
+    for remark, times in Counter(remark for _, result in results for remark in result.remarks).most_common():
+        click.echo(f"the planner in {times} tasks: {remark}")
     for index, result in results:
         if not result.executed:
             click.echo(f"not solved: {labels[index]}, seed {result.seed}, task {result.task}: {result.fault}")
-            for end, count in result.dead_ends[:3]:
-                click.echo(f"  {count} x plan {end.plan}, step {end.step} {end.operator}: {end.reason}")
-
-
-def _number(value: float, decimals: int) -> str:
-    """Write a number; a dash where there was no task to average over."""
-    return "-" if isnan(value) else f"{value:.{decimals}f}"
-
-
-def _columns(summary: Summary) -> list[tuple[tuple[float, float], int]]:
-    """Return the numbers of a row with their decimals."""
-    return [
-        (summary.planned, 1),
-        (summary.refined, 1),
-        (summary.solved, 1),
-        (summary.nodes_created, 2),
-        (summary.abstract_plans, 2),
-        (summary.samples, 1),
-        (summary.seconds, 4),
-    ]
+            for end, times in result.dead_ends[:3]:
+                click.echo(f"  {times} x plan {end.plan}, step {end.step} {end.operator}: {end.reason}")

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import partial
 from statistics import fmean, pstdev
 from time import monotonic
+from types import MappingProxyType
 from typing import Any
 
-from learning.parallel import parallel_map
+from learning.parallel import parallel_unordered
 from learning.reactive import GraphModel, react
 from symbolic.adaptive import adaptive
 from symbolic.bilevel import Plan, solve
@@ -39,8 +40,8 @@ class Result:
 
     seed: int
     task: int
-    planned: bool  # an abstract plan was found
-    refined: bool  # one was refined in the simulator
+    planned: bool | None  # an abstract plan was found; None: the approach does not plan
+    refined: bool | None  # one was refined in the simulator; None: likewise
     executed: bool  # carrying it out reached the goal
     fault: str
     dead_ends: tuple[tuple[DeadEnd, int], ...]  # the most frequent ones
@@ -129,26 +130,35 @@ def evaluate(
     seeds: Iterable[int],
     tasks: int,
     workers: int = 1,
-    progress: Callable[[int], None] = lambda done: None,
+    note: Callable[[Result], None] = lambda result: None,
+    known: Mapping[tuple[int, int], Result] = MappingProxyType({}),
 ) -> list[Result]:
-    """Evaluate on the first ``tasks`` evaluation tasks of every seed; times aside, workers change nothing."""
+    """Evaluate on the first ``tasks`` evaluation tasks of every seed; times aside, workers change nothing.
+
+    ``known`` are results of earlier, by seed and task, which are not run again; ``note`` gets every other one
+    as soon as it is there. Returns all that were asked for, in order.
+    """
+    asked = {(seed, index): None for seed in seeds for index in range(tasks)}
+    missing = {seed: None for seed, index in asked if (seed, index) not in known}
     work = [
         (seed, index, task)
-        for seed in seeds
+        for seed in missing
         for index, task in enumerate(sample_tasks(solver.environment, "test", tasks, seed))
+        if (seed, index) not in known
     ]
-    results = []
-    for result in parallel_map(partial(evaluate_task, solver), work, workers, chunk=5):
-        results.append(result)
-        progress(len(results))
-    return results
+    results = {key: known[key] for key in asked if key in known}
+    for result in parallel_unordered(partial(evaluate_task, solver), work, workers):
+        results[result.seed, result.task] = result
+        note(result)
+    return [results[key] for key in asked]
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
     """Means over runs, each with the population standard deviation; shares are in percent.
 
-    Seconds are over solved tasks, nodes over refined ones, as in the paper.
+    Seconds are over solved tasks, nodes over refined ones, as in the paper. Not a number: nothing to average,
+    or an approach that does not plan.
     """
 
     planned: tuple[float, float]
@@ -167,10 +177,14 @@ def summarize(runs: Mapping[Any, Sequence[Result]]) -> Summary:
         values = [value for rows in runs.values() if (value := one(rows)) is not None]
         return (fmean(values), pstdev(values)) if values else (float("nan"), float("nan"))
 
-    def share(which: Callable[[Result], bool]) -> tuple[float, float]:
-        return over_runs(lambda rows: 100 * fmean(which(r) for r in rows))
+    def share(which: Callable[[Result], bool | None]) -> tuple[float, float]:
+        def of_run(rows: Sequence[Result]) -> float | None:
+            values = [value for r in rows if (value := which(r)) is not None]
+            return 100 * fmean(values) if values else None
 
-    def mean(of: Callable[[Result], float], among: Callable[[Result], bool]) -> tuple[float, float]:
+        return over_runs(of_run)
+
+    def mean(of: Callable[[Result], float], among: Callable[[Result], bool | None]) -> tuple[float, float]:
         return over_runs(lambda rows: fmean(v) if (v := [of(r) for r in rows if among(r)]) else None)
 
     return Summary(

@@ -54,7 +54,7 @@ class _Outcomes:
     reached: list[_Reached] = field(default_factory=list)
     failures: int = 0
     subgoals: set[bytes] = field(default_factory=set)
-    repeats: bool = False  # whether the sampler has nothing new to propose
+    repeats: bool = False  # whether there is nothing new to propose, or no more may be
 
 
 @dataclass(slots=True, eq=False)
@@ -108,6 +108,7 @@ class Adaptive:
     failures: int = 10  # in a plan's first visit; as many more each time it comes back
     return_cost: float = 1.0  # for every visit that a plan had, against others that are as promising
     plans: int | None = None  # at most so many abstract plans
+    samples: int | None = None  # at most so many of an operator from one state
 
     def __call__(self, search: Search) -> Refined | None:
         """Return a plan and its refinement; see Strategy."""
@@ -257,6 +258,7 @@ class _Visits:
             return None
         refining.samples += 1
         outcomes.subgoals.add(numbers)
+        outcomes.repeats = len(outcomes.subgoals) == self.settings.samples
         expected = candidate.plan.atoms[step + 1]
         found = carry_out(self.search.environment, skill, now.state, now.actions, subgoal, expected)
         self.feedback.count(candidate.plan.steps[: step + 1], success=isinstance(found, RefinedStep))

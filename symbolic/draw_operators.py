@@ -1,4 +1,4 @@
-"""A picture of which operators enable which: what ``describe`` is in words. The only user of matplotlib."""
+"""A picture of which operators enable which: what ``describe`` is in words. Needs matplotlib."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,7 +20,7 @@ try:
     from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
     from matplotlib.path import Path as Line
 except ImportError as error:
-    raise MissingPackage("pictures of operators need matplotlib: pip install 'bpns[plots]'") from error
+    raise MissingPackage("pictures need matplotlib: pip install 'bpns[plots]'") from error
 
 FORMATS = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 COLORS = (
@@ -36,7 +36,7 @@ MARGIN = 0.12  # inches
 def picture_format(path: Path) -> str:
     """Return a picture's format; raise InputError for a file's name that says none of ours."""
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"cannot draw operators as '{path.name}': use {', '.join(sorted(FORMATS))}")
+        raise InputError(f"cannot draw a picture as '{path.name}': use {', '.join(sorted(FORMATS))}")
     return path.suffix.lower()
 
 

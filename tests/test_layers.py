@@ -23,7 +23,8 @@ ONLY_IN = {
         "symbolic/planners/_up_problem.py",
         "symbolic/checkers/unified_planning.py",
     },
-    "matplotlib": {"symbolic/draw_operators.py"},
+    "matplotlib": {"symbolic/draw_operators.py", "learning/draw_results.py"},
+    "sqlite3": {"learning/results.py"},
     "pickle": set(),
 }
 FILES = [path for layer in MAY_IMPORT for path in sorted((ROOT / layer).rglob("*.py"))]

@@ -19,7 +19,18 @@ from tests.toy import Toy
 
 Run = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]
-COMMANDS = ("demos", "learn", "operators", "export", "plan", "evaluate", "replay", "planners", "envs")
+COMMANDS = (
+    "demos",
+    "learn",
+    "operators",
+    "export",
+    "plan",
+    "evaluate",
+    "results",
+    "replay",
+    "planners",
+    "envs",
+)
 
 
 class Faulty(Toy):

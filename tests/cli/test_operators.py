@@ -56,7 +56,7 @@ def test_pictures_that_cannot_be_made(bpns: Run, tmp_path: Path, monkeypatch: py
     empty.write_text("(define (domain empty) (:predicates (p)))")
     for domain, picture, message in (
         (COVER, "mine.png", "exists: give --overwrite"),
-        (COVER, "film.gif", "cannot draw operators as 'film.gif': use .pdf, .png, .svg"),
+        (COVER, "film.gif", "cannot draw a picture as 'film.gif': use .pdf, .png, .svg"),
         (empty, "empty.png", "there are no operators to draw"),
     ):
         code, out, err = bpns("operators", domain, "--picture", tmp_path / picture)
@@ -67,7 +67,7 @@ def test_pictures_that_cannot_be_made(bpns: Run, tmp_path: Path, monkeypatch: py
     monkeypatch.delitem(sys.modules, "symbolic.draw_operators")
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     code, _, err = bpns("operators", COVER, "--picture", tmp_path / "b.png")
-    assert (code, err) == (36, "error: pictures of operators need matplotlib: pip install 'bpns[plots]'\n")
+    assert (code, err) == (36, "error: pictures need matplotlib: pip install 'bpns[plots]'\n")
 
 
 def test_one_output_at_a_time(bpns: Run) -> None:
