@@ -13,6 +13,7 @@ from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy,
 from learning.graph_network import EPSILON, ROUNDS, WIDTH, GraphNetwork, shapes
 from learning.graphs import Batch, Graph
 from learning.networks import Array32
+from learning.training import fast_small_numbers
 from symbolic.errors import InputError
 
 Parameters: TypeAlias = dict[str, Tensor]
@@ -38,7 +39,7 @@ class GraphTraining:
     @classmethod
     def fast(cls) -> "GraphTraining":
         """Return ours: fewer and larger steps, so that training takes minutes at most."""
-        return cls(learning_rate=1e-2, check_every=10, iterations=4000, decay=True)
+        return cls(learning_rate=3e-3, check_every=10, iterations=4000, decay=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,6 +110,7 @@ class _Tensors:
         return cls(*(torch.from_numpy(array).to(device) for array in arrays))
 
 
+@fast_small_numbers()
 def fit_graph_network(
     examples: Sequence[GraphExample], loss: GraphLoss, training: GraphTraining, seed: int, device: str
 ) -> GraphFitted:

@@ -157,7 +157,7 @@ class _Perceptron:
 
 
 @contextmanager
-def _fast_small_numbers() -> Iterator[None]:
+def fast_small_numbers() -> Iterator[None]:
     """Use one thread, since more make these sizes slower, and no denormals, where Adam's moments end up."""
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
@@ -174,7 +174,7 @@ def fit(inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: T
     return fit_members(inputs, targets, loss, outputs, training, (seed,))[0]
 
 
-@_fast_small_numbers()
+@fast_small_numbers()
 def fit_members(
     inputs: Array32, targets: Array32, loss: Loss, outputs: int, training: Training, seeds: Sequence[int]
 ) -> list[Fitted]:
