@@ -4,7 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import count
 from pathlib import Path
 
@@ -115,7 +115,8 @@ def command(
         means = summary_json(summarize(_runs(results)))
         click.echo(json.dumps({**how, "summary": means, "tasks": rows}, indent=2, allow_nan=False))
     else:
-        click.echo(f"search: preset {preset}, strategy {name}, planner {solver.planner.name}")
+        if any(subject.graph is None for subject in subjects):
+            click.echo(f"search: preset {preset}, strategy {name}, planner {solver.planner.name}")
         if out:
             click.echo(f"{found} of {len(results)} tasks were in {out} already")
         _print(results, labels)
@@ -133,7 +134,7 @@ def _run(
     """Describe a run for the file: all that decides its results."""
     budget = solver.budget
     exhaustive = strategy == "exhaustive"  # the adaptive search has no limits unless it is given some
-    return Run(
+    run = Run(
         environment=subject.asked,
         origin=ORACLE if model is None else read_origin(model),
         preset=preset,
@@ -147,6 +148,9 @@ def _run(
         timeout=solver.timeout,
         version=__version__,
     )
+    if subject.graph is None:
+        return run
+    return replace(run, strategy=None, planner=None, plans=None, samples_per_step=None, samples_per_plan=None)
 
 
 def _evaluate(

@@ -5,18 +5,11 @@ from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from learning import approaches
 from learning.evaluation import Result, Summary, summarize
 from learning.results import Run
 
-NAMES = {
-    "bpns": "BPNS",
-    "no_subgoal": "BPNS No Subgoal",
-    "gnn_meta": "GNN Meta",
-    "gnn_meta_no_subgoal": "GNN Meta No Subgoal",
-    "gnn_bc": "GNN BC",
-    "pass_through": "Pass-through",
-    "oracle": "Oracle",
-}  # in the order of the rows
+ORDER = ("bpns", "no_subgoal", "gnn_meta", "gnn_meta_no_subgoal", "gnn_bc", "pass_through", "oracle")
 EVERYWHERE = ("strategy", "planner")  # said where any two rows of a table differ
 AMONG_NAMESAKES = (
     "learning_preset",
@@ -88,9 +81,8 @@ def _row(run: Run, group: Mapping[Run, dict[RunName, list[Result]]]) -> Row:
 
 
 def _place(run: Run) -> tuple[Any, ...]:
-    names = list(NAMES)
     approach = run.origin.approach
-    number = names.index(approach) if approach in names else len(names)
+    number = ORDER.index(approach) if approach in ORDER else len(ORDER)
     return (number, len(_specials(run)), title(run), run.origin.demonstrations or 0, repr(run))
 
 
@@ -115,7 +107,8 @@ def base(run: Run) -> str:
     specials = _specials(run)
     if run.origin.approach == "bpns" and specials and not specials[0].startswith("paper"):
         return specials[0]
-    return NAMES.get(run.origin.approach, run.origin.approach)
+    name = run.origin.approach
+    return approaches.load(name).title if name in approaches.names() else name
 
 
 def title(run: Run) -> str:
