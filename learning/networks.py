@@ -1,5 +1,6 @@
 """Trained networks at inference: numpy only, so that planning never imports torch."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -60,6 +61,33 @@ class Network:
 
     inputs: Scaling
     layers: tuple[tuple[Array32, Array32], ...]  # weights (out, in) and biases (out,)
+    linear: Array32 | None = None  # weights (out, in) of what is added to the last layer
+
+
+def mean_of(networks: Sequence[Network]) -> Network:
+    """Return one network, as much wider, whose values are the mean of alike networks' ones."""
+    first, count = networks[0], len(networks)
+    if count == 1:
+        return first
+    layers = []
+    for number in range(len(first.layers)):
+        weights = [network.layers[number][0] for network in networks]
+        biases = [network.layers[number][1] for network in networks]
+        if number == len(first.layers) - 1:  # also where it is the only one
+            shared = sum(weights[1:], weights[0]) if number == 0 else np.hstack(weights)
+            layers.append((shared / np.float32(count), sum(biases[1:], biases[0]) / np.float32(count)))
+            continue
+        if number == 0:
+            stacked = np.vstack(weights)
+        else:  # each sees only its own layer below
+            out, below = weights[0].shape
+            stacked = np.zeros((count * out, count * below), np.float32)
+            for i, own in enumerate(weights):
+                stacked[i * out : (i + 1) * out, i * below : (i + 1) * below] = own
+        layers.append((stacked, np.concatenate(biases)))
+    parts = [network.linear for network in networks if network.linear is not None]
+    linear = sum(parts[1:], parts[0]) / np.float32(count) if parts else None
+    return Network(first.inputs, tuple(layers), linear)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,6 +95,7 @@ class Folded:
     """A network with its scalings absorbed into the first and last layer, in float64: fast on single rows."""
 
     layers: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...]  # weights (in, out), biases (out,)
+    linear: NDArray[np.float64] | None = None  # weights (in, out)
 
     @classmethod
     def of(cls, network: Network, outputs: Scaling | None = None) -> "Folded":
@@ -75,10 +104,16 @@ class Folded:
         weights, biases = layers[0]
         weights = weights / network.inputs.scale[:, None].astype(np.float64)
         layers[0] = weights, biases - network.inputs.shift.astype(np.float64) @ weights
+        linear = None
+        if network.linear is not None:
+            linear = network.linear.T.astype(np.float64) / network.inputs.scale[:, None].astype(np.float64)
+            weights, biases = layers[-1]
+            layers[-1] = weights, biases - network.inputs.shift.astype(np.float64) @ linear
         if outputs is not None:
             weights, biases = layers[-1]
             layers[-1] = weights * outputs.scale, biases * outputs.scale + outputs.shift
-        return cls(tuple(layers))
+            linear = None if linear is None else linear * outputs.scale
+        return cls(tuple(layers), linear)
 
     def __call__(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return outputs in their own units, (..., C_in) -> (..., C_out)."""
@@ -88,4 +123,5 @@ class Folded:
             values += biases
             np.maximum(values, 0.0, out=values)
         weights, biases = self.layers[-1]
-        return values @ weights + biases
+        values = values @ weights + biases
+        return values if self.linear is None else values + rows @ self.linear

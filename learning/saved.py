@@ -178,6 +178,8 @@ def _tensors(skill: Skill) -> dict[str, Array32]:
             for number, (weights, biases) in enumerate(network.layers):
                 found[f"{part}.{number}.weights"] = weights
                 found[f"{part}.{number}.biases"] = biases
+            if network.linear is not None:
+                found[f"{part}.linear"] = network.linear
     for part, scaling in outputs.items():
         found[f"{part}.outputs.shift"] = scaling.shift
         found[f"{part}.outputs.scale"] = scaling.scale
@@ -339,7 +341,8 @@ def _skill(
             (take(f"{part}.{i}.weights", b, a), take(f"{part}.{i}.biases", b))
             for i, (a, b) in enumerate(pairwise(sizes))
         )
-        return Network(scaling(f"{part}.inputs", columns), layers)
+        linear = take(f"{part}.linear", outputs, columns) if f"{prefix}linear" in tensors else None
+        return Network(scaling(f"{part}.inputs", columns), layers, linear)
 
     box = environment.action_low, environment.action_high
     policy: Policy = PassThrough(*box)

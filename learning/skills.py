@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from learning.demonstrations import Demonstrations
-from learning.networks import Array32, Network, Scaling
+from learning.networks import Array32, Network, Scaling, mean_of
 from learning.operators import OperatorData, learn_operators
 from learning.parallel import parallel_map
 from learning.policies import Changing, LearnedPolicy, changing_features, policy_examples
@@ -27,6 +27,7 @@ from symbolic.environment import Environment
 from symbolic.errors import InputError
 from symbolic.skills import Skill
 
+FEW_DECAY = 0.1  # weight decay of networks that have few rows
 MEMBER_SEEDS = 1_000_003  # between the seeds of networks that are alike
 
 DEFAULT_POLICY = Training(1500, 3e-2, decay=True, held_out=0.1, batch=256, scaling="deviation")
@@ -51,6 +52,8 @@ class SkillConfig:
     generator: Training = DEFAULT_GENERATOR
     discriminator: Training = DEFAULT_DISCRIMINATOR
     generators: int = 3  # of one skill
+    few: int = 500  # rows; a network that has fewer is trained as follows
+    few_policies: int = 4  # whose mean is the policy
     policy_iterations: int | None = 9_000  # of all policies together
     generator_iterations: int | None = 7_000  # of the generators of all skills together
 
@@ -64,6 +67,7 @@ class SkillConfig:
             generator=Training(50_000),
             discriminator=Training(10_000, patience=5000),
             generators=1,
+            few=0,
             policy_iterations=None,
             generator_iterations=None,
         )
@@ -189,7 +193,10 @@ def _jobs(
 ) -> Iterator[Job]:
     inputs, actions = policy_examples(operator, changing)
     scaling = Scaling.of_targets(actions, config.policy.scaling)
-    yield Job(number, "policy", inputs, actions, scaling, mean_squared_error, config.policy)
+    training, policies = config.policy, 1
+    if len(inputs) < config.few:  # each row is needed, and a handful of rows held out would choose by chance
+        training, policies = replace(training, held_out=0.0, weight_decay=FEW_DECAY), config.few_policies
+    yield Job(number, "policy", inputs, actions, scaling, mean_squared_error, training, policies)
     if changing:
         rows = generator_examples(operator, changing)
         examples = discriminator_examples(operator, operator.members, rows[1], rng)
@@ -205,8 +212,10 @@ def sampler_jobs(
     """Yield the networks of an operator's sampler; ``examples`` are the discriminator's, if there are any."""
     inputs, subgoals = rows
     scaling = Scaling.of_targets(subgoals, config.generator.scaling)
-    loss = gaussian_negative_log_likelihood
-    yield Job(number, "generator", inputs, subgoals, scaling, loss, config.generator, config.generators)
+    loss, training = gaussian_negative_log_likelihood, config.generator
+    if len(inputs) < config.few:  # subgoals mostly are nearly linear, which a few rows are enough to learn
+        training = replace(training, linear=True, weight_decay=FEW_DECAY)
+    yield Job(number, "generator", inputs, subgoals, scaling, loss, training, config.generators)
     if examples is not None:
         labels = Scaling(np.zeros(1, np.float32), np.ones(1, np.float32))
         training = config.discriminator
@@ -231,7 +240,14 @@ def _train(seed: int, job: Job) -> list[Fitted]:
         full_biases = np.zeros(heads * total, np.float32)
         full_weights[rows], full_biases[rows] = weights, biases
         layers = (*fitted.network.layers[:-1], (full_weights, full_biases))
-        found.append(Fitted(Network(fitted.network.inputs, layers), fitted.loss, fitted.iterations))
+        linear = None
+        if fitted.network.linear is not None:
+            linear = np.zeros((heads * total, job.inputs.shape[1]), np.float32)
+            linear[rows] = fitted.network.linear
+        network = Network(fitted.network.inputs, layers, linear)
+        found.append(Fitted(network, fitted.loss, fitted.iterations))
+    if job.part == "policy":
+        return [replace(found[0], network=mean_of([one.network for one in found]))]
     return found
 
 

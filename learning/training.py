@@ -26,6 +26,7 @@ BETA1, BETA2, EPSILON = 0.9, 0.999, 1e-8  # Adam's usual ones
 MIN_VARIANCE = 1e-6
 CHECK_EVERY = 50  # iterations: how often the loss on other rows than the batch is asked for
 MAX_CHECKED = 500  # rows for that
+PENALTIES = 10.0 ** np.arange(-9, 1)  # of linear parts, for each row
 
 _relu_backward = torch.ops.aten.threshold_backward.grad_input
 
@@ -38,7 +39,8 @@ class Training:
     time round. With ``decay`` the learning rate falls to zero along half a cosine. With ``held_out``, that
     share of the rows is kept apart and the loss on it decides which weights are best; otherwise the training
     loss does. ``scaling`` is of inputs and targets; see Scaling. ``patience`` is after how many iterations
-    without a better loss to stop.
+    without a better loss to stop. With ``linear``, a linear part is fitted first, and the network learns what
+    that leaves. ``weight_decay`` shrinks the weights at each iteration, relative to the learning rate.
     """
 
     iterations: int
@@ -49,6 +51,8 @@ class Training:
     scaling: Method = "paper"
     patience: int | None = None
     hidden: tuple[int, ...] = (32, 32)
+    linear: bool = False
+    weight_decay: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,7 +192,14 @@ def fit_members(
     varying = np.flatnonzero(inputs.max(axis=0) > inputs.min(axis=0))
     order, learned = _chosen_rows(len(inputs), training, seeds[0])
     ones = np.ones((1, len(order)), np.float32)
-    columns = torch.from_numpy(np.vstack([scaling.apply(inputs[order])[:, varying].T, ones]))
+    scaled = scaling.apply(inputs)[:, varying]
+    linear = np.zeros((outputs, inputs.shape[1]), np.float32)
+    constant = np.zeros(outputs, np.float32)
+    if training.linear:
+        wide = targets.shape[1]
+        linear[:wide, varying], constant[:wide] = _ridge(scaled[order[:learned]], targets[order[:learned]])
+        targets = targets - (scaled @ linear[:wide, varying].T + constant[:wide])
+    columns = torch.from_numpy(np.vstack([scaled[order].T, ones]))
     wanted = torch.from_numpy(np.ascontiguousarray(targets[order].T))
     size = min(training.batch or learned, learned)
     # What a batch's loss is not enough to judge weights by: rows held out, or else some of all.
@@ -213,15 +224,44 @@ def fit_members(
             break
         model.backward(batch, error)
         fall = 0.5 * (1 + cos(pi * iteration / training.iterations)) if training.decay else 1.0
-        adam.step(training.learning_rate * fall)
+        rate = training.learning_rate * fall
+        adam.step(rate)
+        if training.weight_decay:  # apart from Adam's moments: Loshchilov and Hutter, ICLR 2019
+            model.flat.mul_(1 - training.weight_decay * rate)
     fitted = []
     layers = [view.numpy() for view in model.views(best)]
     for member, lowest in enumerate(best_loss):
         (weights, biases), *rest = [(x[member, :, :-1].copy(), x[member, :, -1].copy()) for x in layers]
         full = np.zeros((len(weights), inputs.shape[1]), np.float32)
         full[:, varying] = weights
-        fitted.append(Fitted(Network(scaling, ((full, biases), *rest)), lowest, iteration + 1))
+        network = Network(scaling, ((full, biases), *rest))
+        if training.linear:
+            weights, biases = network.layers[-1]
+            network = Network(scaling, (*network.layers[:-1], (weights, biases + constant)), linear)
+        fitted.append(Fitted(network, lowest, iteration + 1))
     return fitted
+
+
+def _ridge(inputs: Array32, targets: Array32) -> tuple[Array32, Array32]:
+    """Return weights (T, C) and biases (T,) of a ridge regression on rows (B, C) and (B, T).
+
+    Of a few penalties, the one is taken whose fit predicts each row best from all others, which is known in
+    closed form (PRESS). Source: Golub, Heath and Wahba, Technometrics 1979.
+    """
+    wide, wanted = inputs.astype(np.float64), targets.astype(np.float64)
+    center, level = wide.mean(axis=0), wanted.mean(axis=0)
+    left, singular, right = np.linalg.svd(wide - center, full_matrices=False)
+    parts = left.T @ (wanted - level)
+    lowest, best = np.inf, np.zeros((wide.shape[1], wanted.shape[1]))
+    for penalty in PENALTIES * len(wide):
+        kept = singular**2 / (singular**2 + penalty)
+        error = wanted - level - left @ (kept[:, None] * parts)
+        influence = left**2 @ kept + 1 / len(wide)  # of each row on its own prediction
+        error /= np.maximum(1 - influence, 1e-3)[:, None]
+        if (error**2).mean() < lowest:
+            lowest = (error**2).mean()
+            best = right.T @ ((singular / (singular**2 + penalty))[:, None] * parts)
+    return best.T.astype(np.float32), (level - center @ best).astype(np.float32)
 
 
 def _batches(

@@ -157,7 +157,7 @@ def test_weights_of_another_shape(learned: tuple[LearnedSkill, ...], model: Path
     file = json.loads((model / "skills.json").read_text())
     file["skills"]["Op0"]["subgoal"].pop()
     (model / "skills.json").write_text(json.dumps(file))
-    with pytest.raises(InputError, match=r"Op0.policy.0.weights is of shape \(32, 15\), not \(32, 14\)"):
+    with pytest.raises(InputError, match=r"Op0.policy.0.weights is of shape \(128, 15\), not \(128, 14\)"):
         read_model(model, COVER)
 
 

@@ -10,8 +10,8 @@ import envs
 from learning.demonstrations import Demonstrations, collect
 from learning.evaluation import Solver, evaluate, summarize
 from learning.operators import learn_operators
-from learning.policies import changing_features, policy_examples
-from learning.samplers import discriminator_examples, generator_examples
+from learning.policies import LearnedPolicy, changing_features, policy_examples
+from learning.samplers import LearnedSampler, discriminator_examples, generator_examples
 from learning.saved import entry_of, read_model, write_model
 from learning.segmentation import segment
 from learning.skills import LearnedSkill, SkillConfig, learn_skills, shared_out
@@ -32,6 +32,17 @@ def toy_skills() -> tuple[LearnedSkill, ...]:
     environment = Toy()
     data = collect(environment, 20, seed=0)
     return learn_skills(environment, data, FEW, seed=0)
+
+
+def test_few_rows_give_a_linear_part_and_a_mean_of_policies(toy_skills: tuple[LearnedSkill, ...]) -> None:
+    """Which is saved and read again: the test of the toy task compares."""
+    skill = toy_skills[0].skill
+    assert isinstance(skill.policy, LearnedPolicy)
+    assert isinstance(skill.sampler, LearnedSampler)
+    assert all(network.linear is not None for network in skill.sampler.generators)
+    assert skill.policy.network.linear is None
+    widths = {len(layers[0][1]) for layers in [skill.policy.network.layers] if len(layers) > 1}
+    assert widths <= {FEW.few_policies * FEW.policy.hidden[0]}
 
 
 def test_toy_operators(toy_skills: tuple[LearnedSkill, ...]) -> None:

@@ -1,11 +1,13 @@
 """Losses against autograd, the hand-written gradient against autograd, and that fitting fits."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import torch
 from torch import Tensor
 
-from learning.networks import Folded, Scaling
+from learning.networks import Folded, Network, Scaling, mean_of
 from learning.training import (
     Loss,
     Training,
@@ -216,3 +218,54 @@ def test_scaling_of_targets_keeps_constants_exact() -> None:
     assert Scaling.of(np.array([[0.1], [0.4]], np.float32), "range").scale[0] == pytest.approx(0.3)
     standard = Scaling.of_targets(np.array([[2, 0.5], [2, 3.5]], np.float32), "deviation")
     assert (standard.shift.tolist(), standard.scale.tolist()) == ([2, 2], [0, 1.5])
+
+
+@pytest.mark.parametrize("rows", [1, 3, 40])
+@pytest.mark.parametrize("columns", [1, 3])
+def test_a_linear_part_is_exact_beyond_the_rows(rows: int, columns: int) -> None:
+    rng = np.random.default_rng(0)
+    inputs = np.hstack([np.ones((rows, 1)), rng.random((rows, columns - 1))]).astype(np.float32)
+    targets = (inputs @ np.array([[2.0], [3.0], [-1.0]][:columns]) + 4).astype(np.float32)
+    training = Training(50, decay=True, linear=True, weight_decay=0.1)
+    found = fit(inputs, targets, mean_squared_error, 1, training, 0)
+    network = Folded.of(found.network)
+    assert np.allclose(network(inputs.astype(float)), targets, atol=0.5)
+    if rows > columns == 3:
+        assert found.network.linear is not None
+        assert np.allclose(found.network.linear, [[0, 3, -1]], atol=1e-4)
+
+
+def test_weight_decay_shrinks_weights() -> None:
+    inputs, targets = np.zeros((4, 2), np.float32), np.zeros((4, 1), np.float32)
+    inputs[:, 1] = np.arange(4)
+    targets[:, 0] = [0, 1, 0, 1]
+    sizes = [
+        sum(
+            float(np.square(weights).sum())
+            for weights, _ in fit(
+                inputs, targets, mean_squared_error, 1, Training(300, 1e-2, weight_decay=decay), 0
+            ).network.layers
+        )
+        for decay in (0.0, 0.5)
+    ]
+    assert sizes[1] < 0.7 * sizes[0]
+
+
+@pytest.mark.parametrize("sizes", [(3, 2), (3, 4, 2), (3, 4, 5, 2)])
+@pytest.mark.parametrize("linear", [False, True])
+def test_the_mean_of_networks_is_one_network(sizes: tuple[int, ...], linear: bool) -> None:
+    rng = np.random.default_rng(0)
+    scaling = Scaling(rng.random(3, np.float32), 1 + rng.random(3, np.float32))
+    outputs = Scaling(rng.random(2, np.float32), 1 + rng.random(2, np.float32))
+
+    def drawn() -> Network:
+        layers = [
+            (rng.standard_normal((b, a)).astype(np.float32), rng.standard_normal(b).astype(np.float32))
+            for a, b in pairwise(sizes)
+        ]
+        return Network(scaling, tuple(layers), rng.random((2, 3), np.float32) if linear else None)
+
+    networks = [drawn() for _ in range(3)]
+    rows = rng.random((7, 3))
+    wanted = np.mean([Folded.of(network, outputs)(rows) for network in networks], axis=0)
+    assert np.allclose(Folded.of(mean_of(networks), outputs)(rows), wanted, atol=1e-5)
