@@ -347,8 +347,8 @@ def _skill(
     box = environment.action_low, environment.action_high
     policy: Policy = PassThrough(*box)
     if not entry.pass_through:
-        outputs = scaling("policy.outputs", actions)
-        policy = LearnedPolicy.of(changing, network("policy", size + dimension, actions), outputs, box)
+        network_of_policy = network("policy", size + dimension, actions)
+        policy = LearnedPolicy.of(changing, network_of_policy, scaling("policy.outputs", actions), box)
     names = [name for name in entry.training if name.startswith("generator-")]
     generators = tuple(network(name, size, 2 * dimension) for name in names)
     discriminator = None
