@@ -30,6 +30,7 @@ from cli._options import (
     strategy_option,
     timeout_option,
 )
+from cli._reactive import act
 from envs._animation import animation_format, write_animation
 from symbolic import planners
 from symbolic.bilevel import NoPlan, Plan, solve
@@ -130,6 +131,15 @@ def command(
         animation_format(show)
         check_output(show, overwrite=True)
     drawn = sample_tasks(world, "test", number + 1, seed)[number]
+    deadline = None if timeout is None else time.monotonic() + timeout
+    title = f"task {number} of seed {seed} in {subject.asked}"
+    if subject.graph is not None:
+        if compare or chosen or refining or no_loops or plans:
+            raise click.UsageError(
+                f"{subject.label} ({subject.approach}) acts without a planner: leave options of planning out"
+            )
+        act(subject, drawn, seed + number + 1, deadline, title, show, as_json)
+        return
     if compare:
         domain = domain_of(world, (skill.operator for skill in subject.skills.values()))
         print_comparison(
@@ -143,10 +153,9 @@ def command(
             as_json,
         )
         return
-    deadline = None if timeout is None else time.monotonic() + timeout
     own = _planner(planner, no_loops)
     outcome = solve(world, drawn, subject.skills, own, budget, seed + number + 1, deadline, refine)
-    _report(outcome, subject, drawn, f"task {number} of seed {seed} in {subject.asked}", show, as_json)
+    _report(outcome, subject, drawn, title, show, as_json)
 
 
 def _planner(name: str, no_loops: bool) -> Planner:
