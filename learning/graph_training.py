@@ -13,7 +13,7 @@ from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy,
 from learning.graph_network import EPSILON, ROUNDS, WIDTH, GraphNetwork, shapes
 from learning.graphs import Batch, Graph
 from learning.networks import Array32
-from learning.training import fast_small_numbers
+from learning.training import Adam, fast_small_numbers
 from symbolic.errors import InputError
 
 Parameters: TypeAlias = dict[str, Tensor]
@@ -130,15 +130,12 @@ def fit_graph_network(
     ]
     first = examples[0]
     columns = first.graph.nodes.shape[1], first.graph.edges.shape[1], len(first.graph.whole)
-    parameters = _initial(shapes(columns, first.nodes.shape[1], len(first.whole)), seed, place)
-    optimizer = torch.optim.Adam(parameters.values(), lr=training.learning_rate, fused=True)
+    flat, parameters = _initial(shapes(columns, first.nodes.shape[1], len(first.whole)), seed, place)
+    adam = Adam(flat)
     epochs = training.epochs
     if training.iterations is not None:
         epochs = min(epochs, max(1, training.iterations // len(learned)))
     total = epochs * len(learned)
-    scheduler = torch.optim.lr_scheduler.LambdaLR(
-        optimizer, lambda step: 0.5 * (1 + cos(pi * step / total)) if training.decay else 1.0
-    )
     best: dict[str, Array32] = {}
     best_loss = float("inf")
     for epoch in range(epochs + 1):
@@ -150,10 +147,9 @@ def fit_graph_network(
                 best_loss = found
                 best = {name: values.detach().cpu().numpy().copy() for name, values in parameters.items()}
         for batch in learned if epoch < epochs else ():
-            optimizer.zero_grad()
-            torch.autograd.backward(_loss(parameters, batch, loss))
-            optimizer.step()
-            scheduler.step()
+            fall = 0.5 * (1 + cos(pi * adam.steps / total)) if training.decay else 1.0
+            gradients = torch.autograd.grad(_loss(parameters, batch, loss), list(parameters.values()))
+            adam.step(torch.cat([one.reshape(-1) for one in gradients]), training.learning_rate * fall)
     return GraphFitted(GraphNetwork(best), best_loss, epochs)
 
 
@@ -162,19 +158,20 @@ def _loss(parameters: Parameters, batch: _Tensors, loss: GraphLoss) -> Tensor:
     return loss(nodes, whole, batch.wanted_nodes, batch.wanted_whole)
 
 
-def _initial(sizes: dict[str, tuple[int, ...]], seed: int, device: torch.device) -> Parameters:
-    """Return initial values as PyTorch's layers have them; the same on every device."""
+def _initial(sizes: dict[str, tuple[int, ...]], seed: int, device: torch.device) -> tuple[Tensor, Parameters]:
+    """Return initial values as PyTorch's layers have them, the same on every device; all in one vector."""
     generator = torch.Generator().manual_seed(seed)
-    parameters: Parameters = {}
+    values = []
     for name, shape in sizes.items():
         if ".norm." in name:
-            values = torch.full(shape, 1.0 if name.endswith("weights") else 0.0)
+            values.append(torch.full(shape, 1.0 if name.endswith("weights") else 0.0))
         else:
-            fan_in = sizes[name.replace("biases", "weights")][0]
-            bound = 1 / sqrt(fan_in)
-            values = torch.empty(shape).uniform_(-bound, bound, generator=generator)
-        parameters[name] = values.to(device).requires_grad_()
-    return parameters
+            bound = 1 / sqrt(sizes[name.replace("biases", "weights")][0])
+            values.append(torch.empty(shape).uniform_(-bound, bound, generator=generator))
+    flat = torch.cat([one.reshape(-1) for one in values]).to(device)
+    pieces = torch.split(flat, [one.numel() for one in values])
+    views = {name: piece.view(sizes[name]) for name, piece in zip(sizes, pieces, strict=True)}
+    return flat, {name: view.detach().requires_grad_() for name, view in views.items()}
 
 
 def forward(parameters: Parameters, batch: _Tensors) -> tuple[Tensor, Tensor]:

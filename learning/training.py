@@ -207,7 +207,7 @@ def fit_members(
     checked = slice(learned, learned + MAX_CHECKED) if learned < len(order) else slice(MAX_CHECKED)
     judged, judged_wanted = columns[:, checked].contiguous(), wanted[:, checked].contiguous()
     model = _Perceptron(len(varying), size, (*training.hidden, outputs), inputs.shape[1], seeds)
-    adam = _Adam(model)
+    adam = Adam(model.flat)
     batches = _batches(columns[:, :learned], wanted[:, :learned], len(seeds), size, seeds[0])
     best, best_loss, best_at = model.flat.clone(), [float("inf")] * len(seeds), 0
     for iteration in range(training.iterations + 1):  # the spec's 0..N
@@ -225,7 +225,7 @@ def fit_members(
         model.backward(batch, error)
         fall = 0.5 * (1 + cos(pi * iteration / training.iterations)) if training.decay else 1.0
         rate = training.learning_rate * fall
-        adam.step(rate)
+        adam.step(model.gradient, rate)
         if training.weight_decay:  # apart from Adam's moments: Loshchilov and Hutter, ICLR 2019
             model.flat.mul_(1 - training.weight_decay * rate)
     fitted = []
@@ -290,19 +290,18 @@ def _chosen_rows(count: int, training: Training, seed: int) -> tuple[NDArray[np.
     return order, count - min(max(1, round(training.held_out * count)), count - 1)
 
 
-class _Adam:
-    """Adam's moments of all parameters. Source: Kingma and Ba, ICLR 2015."""
+class Adam:
+    """Adam's moments of all parameters, put one after the other. Source: Kingma and Ba, ICLR 2015."""
 
-    def __init__(self, model: _Perceptron) -> None:
-        self.model = model
-        self.mean, self.square = torch.zeros_like(model.flat), torch.zeros_like(model.flat)
-        self.spread = torch.empty_like(model.flat)
+    def __init__(self, flat: Tensor) -> None:
+        self.flat = flat
+        self.mean, self.square = torch.zeros_like(flat), torch.zeros_like(flat)
+        self.spread = torch.empty_like(flat)
         self.steps = 0
 
-    def step(self, rate: float) -> None:
-        """Change the parameters by the gradient."""
+    def step(self, gradient: Tensor, rate: float) -> None:
+        """Change the parameters by their gradient."""
         self.steps += 1
-        gradient = self.model.gradient
         self.mean.lerp_(gradient, 1 - BETA1)
         self.square.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
         # Both moments' corrections for having begun at zero are numbers: put into the rate and EPSILON.
@@ -310,4 +309,4 @@ class _Adam:
         torch.sqrt(self.square, out=self.spread)
         self.spread.add_(EPSILON * correction)
         rate *= correction / (1 - BETA1**self.steps)
-        self.model.flat.addcdiv_(self.mean, self.spread, value=-rate)
+        self.flat.addcdiv_(self.mean, self.spread, value=-rate)
