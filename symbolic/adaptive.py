@@ -200,6 +200,7 @@ class _Visits:
                 back = self._back(candidate, now, step)
                 if back is None:
                     candidate.spent = True
+                    self._close(candidate)
                     break
                 now, step = back
                 here = 0
@@ -243,6 +244,17 @@ class _Visits:
             return None
         earlier = int(self.rng.choice(step + 1, p=weights / weights.sum()))
         return path[earlier], earlier
+
+    def _close(self, candidate: _Candidate) -> None:
+        """Let no plan begin like a candidate up to where nothing can lead on, whatever is tried."""
+        level = [self.root]
+        for step, operator in enumerate(candidate.plan.steps):
+            if any(candidate.can_try(one, step) for one in level):
+                return
+            level = [reached for one in level for reached in one.next[operator].reached]
+            if not level:
+                self.costs.close(candidate.plan.steps[: step + 1])
+                return
 
     def _attempt(self, candidate: _Candidate, now: _Reached, step: int) -> _Reached | None:
         """Sample a subgoal and pursue it; return what it reached, None where it is a dead end."""

@@ -194,6 +194,9 @@ class _Search:
                 for prefix in costs.prefixes_changed_since(version):
                     if all(o in numbers for o in prefix):
                         product.penalize([numbers[o] for o in prefix], costs.of_prefix(prefix))
+                for prefix in costs.closed_since(version):
+                    if all(o in numbers for o in prefix):
+                        product.close([numbers[o] for o in prefix])
                 version = costs.version
                 if product.space is not None:
                     product.measure()

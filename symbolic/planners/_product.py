@@ -62,18 +62,9 @@ class Branch:
     """
 
     __slots__ = (
-        "above",
-        "base",
-        "children",
-        "extra",
-        "failures",
-        "given",
-        "operators",
-        "place",
-        "rest",
-        "state",
+        "above", "base", "children", "extra", "failures", "given", "operators", "place", "rest", "state",
         "value",
-    )
+    )  # fmt: skip
 
     goal = False
     alive = True
@@ -337,6 +328,17 @@ class Product:
             branch.value += change
             if change < 0 and self.space is None:
                 self._spread([branch])
+
+    def close(self, steps: Sequence[int]) -> None:
+        """Take all plans that begin with these steps out of those that are left."""
+        above = self._prefix(steps[:-1])
+        children = [] if above is None else self.open(above)
+        if above is not None and steps[-1] in above.operators:
+            place = above.operators.index(steps[-1])
+            child = children[place]
+            children[place] = self._new_branch(
+                child if isinstance(child, State) else child.state, (), above, place
+            )
 
     def _prefix(self, steps: Sequence[int]) -> Branch | None:
         """Return the branch after these steps, a new one if need be; None where no plan begins so."""

@@ -22,7 +22,7 @@ from symbolic.planners import AbstractPlan, CostPlanner, Limit, Planner, SearchR
 from symbolic.planners._loopless import loopless
 from symbolic.refinement import RefinedStep, carry_out
 from symbolic.search import Strategy
-from symbolic.skills import GroundSkill
+from symbolic.skills import Controller, GroundSkill, NoSampler
 from symbolic.state import Array, State, Task
 from symbolic.structs import GroundOperator, Object
 from tests.toy import SKILLS, Toy
@@ -64,7 +64,39 @@ def test_what_failed_is_not_tried_again_and_again() -> None:
         found = [run(environment, task, 1, strategy) for task in tasks]
         assert all(isinstance(outcome, Plan) for outcome in found)
         tried.append(sum(outcome.effort.abstract_plans for outcome in found))
-    assert tried[0] < 100 < 300 < tried[1]
+    assert tried[0] < 100 < 200 < tried[1]
+
+
+@dataclass(frozen=True)
+class Nowhere:
+    """A policy that does nothing."""
+
+    action: Array
+
+    def begin(self, state: State, objects: tuple[Object, ...], subgoal: Array) -> Controller:
+        return lambda _: self.action
+
+
+def test_where_nothing_can_be_sampled_the_search_ends() -> None:
+    """There is no end of abstract plans, but all begin with steps that can only fail."""
+    environment = envs.load("cover")
+    nothing = Nowhere(np.zeros(len(environment.action_low), np.float32))
+    skills = {
+        skill.operator.name: replace(skill, policy=nothing, sampler=NoSampler())
+        for skill in environment.oracle_skills
+    }
+    task = sample_tasks(environment, "test", 1, 50_100)[0]
+    outcome = solve(environment, task, skills, planners.load("astar"), ANY, 1)
+    assert isinstance(outcome, NoPlan)
+    assert outcome.reason == "not refined"
+    assert outcome.effort.abstract_plans <= 10
+
+
+def test_at_most_so_many_samples_from_one_state() -> None:
+    """With one, the plan fails unless its first key fits, and then nothing is left to try."""
+    found = [run(Toy(), TASK, seed, Adaptive(samples=1)) for seed in range(20)]
+    assert all(outcome.effort.samples <= 2 for outcome in found)
+    assert {type(outcome) for outcome in found} == {Plan, NoPlan}
 
 
 def test_a_plan_gets_as_many_samples_as_it_needs() -> None:

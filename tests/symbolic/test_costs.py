@@ -56,6 +56,22 @@ def test_version_grows_with_each_change_and_changes_are_listed() -> None:
     assert list(costs.changed_since(0)) == [first, second]
 
 
+def test_no_plan_may_begin_with_a_closed_prefix() -> None:
+    costs, (first, second, *_) = Costs(), operators()
+    costs.close((first, second))
+    assert costs.of_plan([first, second]) == costs.of_plan([first, second, first]) == float("inf")
+    assert costs.of_plan([first]) == 1
+    assert costs.of_plan([second, first]) == 2
+    assert list(costs.closed_since(0)) == [(first, second)]
+    version = costs.version
+    costs.close((first, second, first))  # it is closed already
+    costs.set_prefix_penalty((first, second), 3)
+    assert costs.version == version
+    assert not costs.is_closed((first,))
+    with pytest.raises(ValueError, match="at least one step"):
+        costs.close(())
+
+
 def test_sums_do_not_depend_on_their_order() -> None:
     costs, steps = Costs(), operators()
     for number, step in enumerate(steps):
@@ -100,6 +116,9 @@ def test_next_plan_is_always_the_cheapest_by_the_costs_of_that_moment(
                 prefix = tuple(steps[step] for step in plan[: rng.randint(1, max(1, len(plan)))])
                 if prefix:
                     costs.set_prefix_penalty(prefix, rng.choice([0, 0.3, 1, 2.5]))
+                    if rng.random() < 0.3:
+                        costs.close(prefix)
+                        left -= {p for p in left if p[: len(prefix)] == tuple(map(str, prefix))}
             cheapest = min(map(cost, left), default=len(layers))
             if cheapest >= len(layers):  # a longer plan may cost less
                 break
