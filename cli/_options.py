@@ -1,13 +1,14 @@
 """What several subcommands share: options, loading what they name, progress."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -80,6 +81,18 @@ workers_option = click.option(
     show_default="all cores",
     help="Processes; they change the time, not the result.",
 )
+
+
+PLANNING = ("planner", "plans", "samples", "per_plan", "preset", "strategy", "compare", "no_loops")
+
+
+def check_unused(names: Iterable[str], why: str) -> None:
+    """Raise UsageError where an option was given that means nothing here."""
+    context = click.get_current_context()
+    options = {option.name: option.opts[0] for option in context.command.params}
+    for name in names:
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise click.UsageError(f"{why}: leave {options[name]} out")
 
 
 @dataclass(frozen=True, slots=True)

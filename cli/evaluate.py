@@ -12,7 +12,10 @@ import click
 
 from bpns import __version__
 from cli._options import (
+    MAX_SEED,
+    PLANNING,
     Subject,
+    check_unused,
     environment_option,
     json_option,
     load_subject,
@@ -45,6 +48,8 @@ def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int
         raise click.BadParameter("give numbers and ranges such as 0-4 or 0,2,5-7") from error
     if not seeds:
         raise click.BadParameter("no seed in this range")
+    if not 0 <= min(seeds) <= max(seeds) <= MAX_SEED:
+        raise click.BadParameter(f"seeds are from 0 to {MAX_SEED}")
     return sorted(set(seeds))
 
 
@@ -97,6 +102,8 @@ def command(
     subjects = [load_subject(model, oracle, environment) for model in chosen or [None]]
     if len({subject.environment.name for subject in subjects}) > 1:
         raise click.UsageError("the models are of several environments: evaluate them one by one")
+    if all(subject.graph is not None for subject in subjects):
+        check_unused(PLANNING, f"{subjects[0].label} ({subjects[0].approach}) acts without a planner")
     labels = [subject.label for subject in subjects]
     if len(set(labels)) < len(labels):
         labels = [str(model) for model in models]
@@ -150,7 +157,8 @@ def _run(
     )
     if subject.graph is None:
         return run
-    return replace(run, strategy=None, planner=None, plans=None, samples_per_step=None, samples_per_plan=None)
+    nothing = replace(run, preset="default", strategy=None, planner=None, plans=None)
+    return replace(nothing, samples_per_step=None, samples_per_plan=None, sample_limit=None, node_limit=None)
 
 
 def _evaluate(

@@ -76,7 +76,7 @@ def command(
     from learning.graph_training import GraphTraining, device_of  # torch: slow to import
     from learning.skills import SkillConfig
 
-    device_of(device)  # is it there?
+    device = str(device_of(device))
     gc.freeze()  # what was read stays: looking through it again and again takes seconds
     config = SkillConfig.paper() if preset == "paper" else SkillConfig()
     if min_share is not None:
@@ -97,7 +97,7 @@ def command(
         "approach": approach.replace("-", "_"),
         "preset": preset,
         "settings": asdict(config),
-        "graphs": asdict(graphs),
+        "graphs": {**asdict(graphs), "device": device},
         "seed": seed,
         "demonstrations": {"seed": data.seed, "asked": data.asked, "given": count},
         "seconds": round(seconds, 3),

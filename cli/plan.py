@@ -16,7 +16,9 @@ from cli._options import (
     NO_PLAN,
     NOT_REFINED,
     PLANNER_FAILED,
+    PLANNING,
     Subject,
+    check_unused,
     environment_option,
     json_option,
     load_subject,
@@ -134,10 +136,7 @@ def command(
     deadline = None if timeout is None else time.monotonic() + timeout
     title = f"task {number} of seed {seed} in {subject.asked}"
     if subject.graph is not None:
-        if compare or chosen or refining or no_loops or plans:
-            raise click.UsageError(
-                f"{subject.label} ({subject.approach}) acts without a planner: leave options of planning out"
-            )
+        check_unused(PLANNING, f"{subject.label} ({subject.approach}) acts without a planner")
         act(subject, drawn, seed + number + 1, deadline, title, show, as_json)
         return
     if compare:

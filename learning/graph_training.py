@@ -21,7 +21,7 @@ Parameters: TypeAlias = dict[str, Tensor]
 
 @dataclass(frozen=True, slots=True)
 class GraphTraining:
-    """How to fit a graph network; the defaults are the paper's.
+    """How to fit a graph network; the defaults are the paper's, but for which weights are kept.
 
     The first ``held_out`` of the examples decide, every ``check_every`` epochs, which weights are best. With
     ``iterations`` there are at most so many batches in all, and with ``decay`` the learning rate falls to
@@ -76,15 +76,13 @@ def action_loss(nodes: Tensor, whole: Tensor, wanted_nodes: Tensor, wanted_whole
 
 def device_of(name: str) -> torch.device:
     """Return a device by name (``auto``: a GPU if there is one); raise InputError where it is missing."""
+    gpus = torch.cuda.device_count()
+    known = ["cpu", *(["cuda"] if gpus else []), *(f"cuda:{number}" for number in range(gpus))]
     if name == "auto":
-        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    try:
-        torch.empty(1, device=name)
-        return torch.device(name)
-    except (RuntimeError, AssertionError) as error:  # of torch: no such device, or not compiled in
-        raise InputError(
-            f"no device '{name}' here: {str(error).splitlines()[0]}: leave --device out"
-        ) from error
+        name = "cuda" if gpus else "cpu"
+    if name not in known:
+        raise InputError(f"no device '{name}' here (have: {', '.join(known)}, or auto)")
+    return torch.device(name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

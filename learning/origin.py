@@ -56,7 +56,7 @@ def read_origin(folder: Path) -> Origin:
         raise InputError(f"{path}: {place}: {first['msg']}: put it right, or learn again") from error
     return Origin(
         file.approach,
-        _digest(folder),
+        _digest(folder, f"{run.preset} {run.settings.min_share} {run.demonstrations.asked}"),
         run.preset,
         run.settings.min_share,
         run.demonstrations.asked,
@@ -65,9 +65,9 @@ def read_origin(folder: Path) -> Origin:
     )
 
 
-def _digest(folder: Path) -> str:
-    """Return 16 hexadecimal digits that change with any file of a model but run.json, which only tells."""
-    digest = sha256()
+def _digest(folder: Path, told: str) -> str:
+    """Return 16 hexadecimal digits that change with any file of a model, and with what run.json told."""
+    digest = sha256(told.encode())
     for name in FILES:
         if name != "run.json" and (folder / name).exists():
             content = (folder / name).read_bytes()

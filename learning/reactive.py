@@ -38,7 +38,7 @@ class Episode:
     owners: list[int] = field(default_factory=list)  # for each action, the number of its step
     steps: list[str] = field(default_factory=list)  # the ground operators that were chosen
     samples: int = 0
-    seconds: float = 0.0
+    seconds: float = 0.0  # for choosing and trying out, as the paper counts test time
 
     def execution(self, fault: str) -> Execution:
         """Return the episode with why it failed, if it did."""
@@ -57,7 +57,6 @@ def react(
     """Act until the goal holds, the horizon is reached, or nothing can be done; ``deadline`` is monotonic."""
     rng = np.random.default_rng(seed)
     episode = Episode([task.init])
-    start = perf_counter()
     fault = ""
     while not fault and not _reached(environment, task, episode):
         if len(episode.actions) >= environment.horizon:
@@ -68,7 +67,6 @@ def react(
             fault = _use_skill(environment, task, model, skills, episode, rng)
         else:
             fault = _act(environment, task, model, episode)
-    episode.seconds = perf_counter() - start
     return episode.execution(fault), episode
 
 
@@ -79,10 +77,12 @@ def _reached(environment: Environment, task: Task, episode: Episode) -> bool:
 def _act(environment: Environment, task: Task, model: GraphModel, episode: Episode) -> str:
     """Take the action that the network gives, clipped into the box; return what went wrong."""
     state = episode.states[-1]
+    start = perf_counter()
     _, action = model.network(model.schema.encode(state, abstract(environment, state), task.goal))
     if not np.isfinite(action).all():
         return "the network's action is not a number"
     clipped = np.clip(action, environment.action_low, environment.action_high).astype(np.float32)
+    episode.seconds += perf_counter() - start
     try:
         episode.states.append(environment.simulate(state, clipped))
     except EnvironmentFailure as failure:
@@ -105,6 +105,7 @@ def _use_skill(
     The simulator is deterministic: what it did is what the environment does, up to where the goal holds.
     """
     state = episode.states[-1]
+    start = perf_counter()
     atoms = abstract(environment, state)
     chosen = choose(model, skills, state, atoms, task.goal)
     if isinstance(chosen, str):
@@ -112,6 +113,7 @@ def _use_skill(
     number = len(episode.steps)
     episode.steps.append(str(chosen.operator))
     found = _successful(environment, chosen, state, atoms, episode, rng)
+    episode.seconds += perf_counter() - start
     if isinstance(found, str):
         return f"step {number + 1} {chosen.operator}: {found}"
     for action, after in zip(found.trajectory.actions, found.trajectory.states[1:], strict=True):
@@ -156,7 +158,10 @@ def _successful(
     episode: Episode,
     rng: np.random.Generator,
 ) -> Rollout | str:
-    """Return a roll-out after which all predicted atoms hold, or why the last try gave none."""
+    """Return a roll-out after which all predicted atoms hold, or why the last try gave none.
+
+    Unlike in the spec, one without actions is none: the same would be chosen again without end.
+    """
     expected = chosen.operator.apply(atoms)
     why = ""
     for _ in range(TRIES if chosen.skill.sampler.dimension else 1):

@@ -236,8 +236,8 @@ def read_model(folder: Path, environment: Environment) -> SavedModel:
     for name in file.skills:
         if name not in by_name:
             raise InputError(
-                f"{folder / 'skills.json'}: weights of '{name}' have no operator in domain.pddl: "
-                "put the operator back, or remove this entry"
+                f"{folder / 'skills.json'}: weights of '{name}' have no operator in domain.pddl: put the "
+                f"operator back{'' if file.graph and name in file.graph.skills else ', or remove this entry'}"
             )
     try:
         tensors = load_file(folder / "skills.safetensors")

@@ -13,7 +13,7 @@ from learning.operators import OperatorData, learn_operators
 from learning.parallel import parallel_map
 from learning.policies import Changing, LearnedPolicy, changing_features, policy_examples
 from learning.samplers import LearnedSampler, discriminator_examples, generator_examples
-from learning.segmentation import segment
+from learning.segmentation import Segment, segment
 from learning.training import (
     Fitted,
     Loss,
@@ -26,6 +26,7 @@ from learning.training import (
 from symbolic.environment import Environment
 from symbolic.errors import InputError
 from symbolic.skills import Skill
+from symbolic.structs import Predicate
 
 FEW_DECAY = 0.1  # weight decay of networks that have few rows
 MEMBER_SEEDS = 1_000_003  # between the seeds of networks that are alike
@@ -125,7 +126,7 @@ def learn_skills(
     if not segments:
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no segment")
     contacts = environment.contact_predicates if config.context else frozenset()
-    operators = learn_operators(segments, config.min_share, contacts)
+    operators = frequent_operators(segments, config.min_share, contacts)
     changing = [
         () if operator.given or not config.subgoals else changing_features(operator) for operator in operators
     ]
@@ -150,6 +151,18 @@ def learn_skills(
         places = tuple(place[id(member.segment)] for member in operator.members)
         learned.append(LearnedSkill(skill, operator, places, fits_of(own)))
     return tuple(learned)
+
+
+def frequent_operators(
+    segments: Sequence[Segment], min_share: float, contacts: frozenset[Predicate] = frozenset()
+) -> list[OperatorData]:
+    """Return the operators; raise InputError where the filter leaves none."""
+    operators = learn_operators(segments, min_share, contacts)
+    if not operators:
+        raise InputError(
+            f"no operator has {min_share:.0%} of the {len(segments)} segments: choose a lower --min-share"
+        )
+    return operators
 
 
 FittedParts: TypeAlias = dict[str, tuple[Fitted, Scaling]]  # by network: policy, generator-0, ...

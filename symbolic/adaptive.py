@@ -21,6 +21,7 @@ from symbolic.state import State
 from symbolic.structs import GroundOperator
 
 PROPOSALS = 20  # that are known already, after which a sampler is taken to have no others
+MOST_IN_VAIN = 1000  # plans in a row of which nothing is left to sample, after which there is no hope
 FRESH_TURNS = 4  # first visits for each return, where the planner takes no costs
 # Which step is tried anew when one fails: relative weights. One whose effects the failed step needs is the
 # likeliest to blame; any other may be, so that none is left out for ever.
@@ -137,7 +138,8 @@ class _Visits:
         stream = self._stream()
         waiting: list[_Candidate] = []
         fresh: AbstractPlan | None = None
-        while not search.over:
+        in_vain = 0
+        while not search.over and in_vain < MOST_IN_VAIN:
             more = self.settings.plans is None or search.tried < self.settings.plans
             if fresh is None and stream is not None and more and (self._turn or not waiting):
                 fresh = next(stream, None)
@@ -154,7 +156,9 @@ class _Visits:
                 self.returned += 1
             if candidate is None:
                 break
+            before = search.refining.samples
             steps = self._visit(candidate)
+            in_vain = in_vain + 1 if search.refining.samples == before else 0
             search.watch.charge("refinement")
             if steps is not None:
                 return candidate.plan, steps

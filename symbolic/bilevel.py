@@ -10,6 +10,7 @@ from symbolic.environment import Budget, Environment, domain_of, problem_of
 from symbolic.grounding import OutOfTime, Unreachable, ground
 from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord
 from symbolic.planners._idle import WithIdleSteps
+from symbolic.planners._loopless import Loopless
 from symbolic.refinement import DeadEnd, RefinedStep, RefinementRecord
 from symbolic.search import Search, Stopwatch, Strategy
 from symbolic.skills import Skill
@@ -77,7 +78,8 @@ def solve(
     if isinstance(grounded, OutOfTime):
         return NoPlan("time limit", "time limit reached while grounding", nothing, Counter())
     limit = Limit(budget.nodes, deadline)
-    if not all(s.operator.add_effects or s.operator.delete_effects for s in skills.values()):
+    idle = any(not s.operator.add_effects and not s.operator.delete_effects for s in skills.values())
+    if idle and not isinstance(planner, Loopless):  # an idle step is a loop
         planner = WithIdleSteps(planner)
     search = Search(environment, task, skills, planner, grounded, budget, seed, limit, watch)
     refined = strategy(search)

@@ -58,6 +58,7 @@ def load(name: str) -> Approach:
     """Return an approach by name, with ``-`` for ``_`` too; raise InputError where there is none."""
     module = name.replace("-", "_")
     if module not in names():
-        raise InputError(f"unknown approach '{name}' (have: {', '.join(names())})")
+        have = ", ".join(one.replace("_", "-") for one in names())
+        raise InputError(f"unknown approach '{name}' (have: {have})")
     found: Approach = import_module(f"learning.approaches.{module}").APPROACH
     return found

@@ -11,7 +11,7 @@ import numpy as np
 
 from learning.approaches import Approach, Learned, Learning
 from learning.demonstrations import Demonstration, Demonstrations
-from learning.operators import Member, OperatorData, learn_operators
+from learning.operators import Member, OperatorData
 from learning.policies import PassThrough
 from learning.samplers import discriminator_examples
 from learning.segmentation import Segment
@@ -30,7 +30,7 @@ ANY_ACTION = Label("any action", ())
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
     """Learn operators and samplers of actions; raises InputError where there is nothing to learn."""
-    from learning.skills import LearnedSkill, fits_of, sampler_of, shared_out, train  # torch: slow to import
+    from learning.skills import LearnedSkill, fits_of, frequent_operators, sampler_of, shared_out, train
 
     tracker = Tracker(environment)
     by_demonstration = [_segments(tracker, one) for one in data.demonstrations]
@@ -38,7 +38,7 @@ def learn(environment: Environment, data: Demonstrations, how: Learning) -> Lear
     if not segments:
         raise InputError(f"nothing to learn: {len(data.demonstrations)} demonstrations hold no action")
     place = {id(s): (i, j) for i, found in enumerate(by_demonstration) for j, s in enumerate(found)}
-    operators = learn_operators(segments, how.skills.min_share)
+    operators = frequent_operators(segments, how.skills.min_share)
     config = shared_out(how.skills, len(operators))
     rng = np.random.default_rng(how.seed)
     jobs = [job for number in range(len(operators)) for job in _jobs(operators, number, config, rng)]

@@ -34,23 +34,24 @@ class WithIdleSteps:
         known: list[AbstractPlan] = []
         following = next(stream, None)
         length = 0
-        while (known or following is not None) and not limit.late:
+        while following is not None or (idle and any(plan.steps for plan in known)):
             fresh = len(known)
             while following is not None and len(following.steps) <= length:
                 known.append(following)
                 yield following
                 following = next(stream, None)
-            if idle:
-                for plan in known[:fresh]:
-                    for steps in _filled(plan.steps, idle, length - len(plan.steps)):
-                        found = AbstractPlan.follow(problem, steps)
-                        if all(
-                            step.preconditions <= atoms and not step.negative_preconditions & atoms
-                            for step, atoms in zip(found.steps, found.atoms, strict=False)
-                        ):
-                            yield found
-            elif following is None:
-                return
+            for plan in known[:fresh] if idle else ():
+                for steps in _filled(plan.steps, idle, length - len(plan.steps)):
+                    record.nodes_created += 1
+                    if limit.late or record.nodes_created >= limit.nodes:
+                        record.stopped_by = "time limit" if limit.late else "node limit"
+                        return
+                    found = AbstractPlan.follow(problem, steps)
+                    if all(
+                        step.preconditions <= atoms and not step.negative_preconditions & atoms
+                        for step, atoms in zip(found.steps, found.atoms, strict=False)
+                    ):
+                        yield found
             length += 1
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import envs
+from learning import approaches
 from learning.demonstrations import Demonstrations, write_demonstrations
 from learning.graph_training import GraphTraining
 from learning.skills import SkillConfig
@@ -37,20 +38,21 @@ def test_every_approach_learns_plans_and_is_evaluated(
     assert ("graph network" in out) == approach.startswith("gnn")
     said = json.loads((tmp_path / "model" / "skills.json").read_text())
     assert said["approach"] == approach.replace("-", "_")
-    code, out, err = bpns("plan", tmp_path / "model", "--task", "1", "--json")
+    code, out, err = bpns("plan", tmp_path / "model", "--task", "1", "--timeout", "2", "--json")
     assert code in (0, 12)
     found = json.loads(out)
     assert found["executed"] == (code == 0)
     assert (found["planned"] is None) == approach.startswith("gnn")
-    results = tmp_path / "results.sqlite"
-    code, out, err = bpns("evaluate", tmp_path / "model", "--tasks", "2", "--out", results, "--json")
+    results, limits = tmp_path / "results.sqlite", ("--tasks", "2", "--timeout", "1")
+    code, out, err = bpns("evaluate", tmp_path / "model", *limits, "--out", results, "--json")
     assert (code, err) == (0, "")
     tasks = json.loads(out)["tasks"]
     assert len(tasks) == 2
-    code, out, err = bpns("evaluate", tmp_path / "model", "--tasks", "2", "--out", results, "--json")
+    code, out, err = bpns("evaluate", tmp_path / "model", *limits, "--out", results, "--json")
     assert json.loads(out)["tasks"] == tasks
-    code, out, err = bpns("results", results, "--json")
-    assert code == 0
+    code, out, err = bpns("results", results)
+    assert (code, err) == (0, "")
+    assert approaches.load(approach).title in out
 
 
 def test_a_model_without_a_planner_shows_what_it_does(bpns: Run, demos: Path, tmp_path: Path) -> None:
@@ -87,8 +89,12 @@ def test_wrong_approaches_are_one_line(bpns: Run, demos: Path, tmp_path: Path) -
 
 
 def test_without_the_filter_every_operator_stays(bpns: Run, demos: Path, tmp_path: Path) -> None:
-    code, _, _ = bpns("learn", demos, "--min-share", "0.9", "--out", tmp_path / "none")
-    assert code in (0, 36)
+    code, _, err = bpns("learn", demos, "--min-share", "0.9", "--out", tmp_path / "none")
+    assert code == 36
+    assert "no operator has 90% of the" in err
+    assert not (tmp_path / "none").exists()
+    code, _, _ = bpns("learn", demos, "--approach", "pass-through", "--out", tmp_path / "some")
+    assert code == 0
     code, _, _ = bpns("learn", demos, "--min-share", "0", "--out", tmp_path / "all")
     assert code == 0
     settings = json.loads((tmp_path / "all" / "run.json").read_text())["settings"]

@@ -65,7 +65,7 @@ def test_every_approach_says_what_it_is() -> None:
     assert all(one.summary for one in found)
     assert [one.title for one in found if one.learn is None] == ["Oracle"]
     assert approaches.load("gnn-meta") == approaches.load("gnn_meta")
-    with pytest.raises(InputError, match=r"unknown approach 'gnn' \(have: bpns, gnn_bc"):
+    with pytest.raises(InputError, match=r"unknown approach 'gnn' \(have: bpns, gnn-bc"):
         approaches.load("gnn")
 
 

@@ -174,8 +174,9 @@ def test_too_few_examples_and_no_such_device() -> None:
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no GPU here")
 def test_a_gpu_gives_the_same_within_tolerance() -> None:
+    once = replace(FEW, epochs=2)  # sums in another order grow apart in the end
     one, two = (
-        fit_graph_network(choices(300), choice_loss, FEW, 0, device).network for device in ("cpu", "cuda")
+        fit_graph_network(choices(300), choice_loss, once, 0, device).network for device in ("cpu", "cuda")
     )
     for example in choices(20):
-        assert np.allclose(one(example.graph)[1], two(example.graph)[1], atol=0.5)
+        assert np.allclose(one(example.graph)[1], two(example.graph)[1], atol=1e-3)

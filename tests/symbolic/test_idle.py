@@ -1,19 +1,21 @@
 """Idle steps: all ways to put what changes nothing into abstract plans, and no others."""
 
 from itertools import islice, product
+from time import monotonic
 
 import numpy as np
 
 from symbolic import planners
-from symbolic.bilevel import Plan, solve
+from symbolic.bilevel import NoPlan, Plan, solve
 from symbolic.environment import domain_of, problem_of, sample_tasks
 from symbolic.exhaustive import exhaustive
 from symbolic.grounding import GroundProblem, ground
 from symbolic.planners import Limit, SearchRecord
 from symbolic.planners._idle import WithIdleSteps
+from symbolic.planners._loopless import loopless
 from symbolic.skills import NoSampler, Skill
 from symbolic.structs import Operator
-from tests.toy import HAND, SKILLS, Repeat, Toy, Variable
+from tests.toy import DOOR, HAND, IS_OPEN, SKILLS, Repeat, Toy, Variable
 
 HERE = Variable("?hand", HAND)
 WAIT = Operator("wait", (), frozenset(), frozenset(), frozenset())
@@ -66,6 +68,29 @@ def test_without_idle_operators_nothing_changes() -> None:
         for planner in (given, WithIdleSteps(given))
     )
     assert one == two
+
+
+def test_idle_steps_that_never_can_be_end_at_a_limit() -> None:
+    """There is one plan and no way to fill it: the search must not go on for ever."""
+    door = Variable("?door", DOOR)
+    never = Operator("never", (door,), frozenset({IS_OPEN.lifted(door)}), frozenset(), frozenset())
+    problem = toy_problem(*(skill.operator for skill in SKILLS.values()), never)
+    for limit, why in ((Limit(2_000), "node limit"), (Limit(10**9, monotonic() + 0.3), "time limit")):
+        record = SearchRecord()
+        planner = WithIdleSteps(planners.load("astar"))
+        plans = list(planner.plans(problem, np.random.default_rng(0), limit, record))
+        assert len(plans) == 1
+        assert record.stopped_by == why
+
+
+def test_loopless_plans_have_no_idle_steps() -> None:
+    world = Toy(fails_below=2.0)
+    task = sample_tasks(world, "test", 1, 0)[0]
+    idle = {**SKILLS, "wait": Skill(WAIT, Repeat(0), NoSampler())}
+    planner = loopless(planners.load("astar"))
+    outcome = solve(world, task, idle, planner, world.budget, 1, strategy=exhaustive)
+    assert isinstance(outcome, NoPlan)
+    assert outcome.effort.abstract_plans == 1
 
 
 def test_solving_with_an_idle_skill() -> None:
