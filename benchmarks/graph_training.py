@@ -89,7 +89,7 @@ def train_dense(examples: list[GraphExample], epochs: int) -> None:
             batch = Tensors.of(examples[start : start + 128], CPU)
             optimizer.zero_grad()
             nodes, whole = dense_forward(parameters, batch)
-            choice_loss(nodes, whole, batch.wanted_nodes, batch.wanted_whole).backward()
+            choice_loss(nodes, whole, batch).backward()
             optimizer.step()
 
 

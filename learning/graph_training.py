@@ -25,7 +25,7 @@ class GraphTraining:
 
     The first ``held_out`` of the examples decide, every ``check_every`` epochs, which weights are best. With
     ``iterations`` there are at most so many batches in all, and with ``decay`` the learning rate falls to
-    zero along half a cosine.
+    zero along half a cosine. With ``pointers`` a skill's arguments are learned by ``pointer_loss``.
     """
 
     epochs: int = 1000
@@ -35,11 +35,12 @@ class GraphTraining:
     check_every: int = 100
     iterations: int | None = None
     decay: bool = False
+    pointers: bool = False
 
     @classmethod
     def fast(cls) -> "GraphTraining":
         """Return ours: small batches and a rate that falls; as many steps however many examples there are."""
-        return cls(batch=16, learning_rate=3e-3, check_every=2, iterations=12_000, decay=True)
+        return cls(batch=16, learning_rate=3e-3, check_every=2, iterations=12_000, decay=True, pointers=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,20 +59,6 @@ class GraphFitted:
     network: GraphNetwork
     loss: float
     epochs: int
-
-
-GraphLoss: TypeAlias = Callable[[Tensor, Tensor, Tensor, Tensor], Tensor]
-
-
-def choice_loss(nodes: Tensor, whole: Tensor, wanted_nodes: Tensor, wanted_whole: Tensor) -> Tensor:
-    """For a skill (one-hot, the whole's target) and its arguments (0/1, the nodes'). Source: section 3."""
-    arguments = binary_cross_entropy_with_logits(nodes, wanted_nodes) if wanted_nodes.numel() else 0
-    return cross_entropy(whole, wanted_whole) + arguments
-
-
-def action_loss(nodes: Tensor, whole: Tensor, wanted_nodes: Tensor, wanted_whole: Tensor) -> Tensor:
-    """For actions, the whole's target; nodes have none. Source: section 4."""
-    return mse_loss(whole, wanted_whole)
 
 
 def device_of(name: str) -> torch.device:
@@ -106,6 +93,35 @@ class _Tensors:
         indices = batch.senders, batch.receivers, batch.whole, batch.node_of, batch.edge_of
         arrays = (batch.nodes, batch.edges, *indices, *wanted)
         return cls(*(torch.from_numpy(array).to(device) for array in arrays))
+
+
+GraphLoss: TypeAlias = Callable[[Tensor, Tensor, _Tensors], Tensor]
+
+
+def choice_loss(nodes: Tensor, whole: Tensor, batch: _Tensors) -> Tensor:
+    """For a skill (one-hot, the whole's target) and its arguments (0/1, the nodes'). Source: section 3."""
+    wanted = batch.wanted_nodes
+    arguments = binary_cross_entropy_with_logits(nodes, wanted) if wanted.numel() else 0
+    return cross_entropy(whole, batch.wanted_whole) + arguments
+
+
+def pointer_loss(nodes: Tensor, whole: Tensor, batch: _Tensors) -> Tensor:
+    """As ``choice_loss``, but each argument is one choice among a graph's nodes, as it is when it is used.
+
+    Among a hundred nodes, deciding about each alone is learned slowly: nearly all are no argument.
+    """
+    wanted, count = batch.wanted_nodes, len(whole)
+    highest = nodes.new_full((count, nodes.shape[1]), -torch.inf)
+    of_column = batch.node_of[:, None].expand_as(nodes)
+    highest = highest.scatter_reduce(0, of_column, nodes.detach(), "amax")
+    above = nodes - highest.index_select(0, batch.node_of)
+    total = _sums(above.exp(), batch.node_of, count).log().index_select(0, batch.node_of)
+    return cross_entropy(whole, batch.wanted_whole) + (wanted * (total - above)).sum() / count
+
+
+def action_loss(nodes: Tensor, whole: Tensor, batch: _Tensors) -> Tensor:
+    """For actions, the whole's target; nodes have none. Source: section 4."""
+    return mse_loss(whole, batch.wanted_whole)
 
 
 @fast_small_numbers()
@@ -153,7 +169,7 @@ def fit_graph_network(
 
 def _loss(parameters: Parameters, batch: _Tensors, loss: GraphLoss) -> Tensor:
     nodes, whole = forward(parameters, batch)
-    return loss(nodes, whole, batch.wanted_nodes, batch.wanted_whole)
+    return loss(nodes, whole, batch)
 
 
 def _initial(sizes: dict[str, tuple[int, ...]], seed: int, device: torch.device) -> tuple[Tensor, Parameters]:

@@ -6,7 +6,13 @@ import numpy as np
 
 from learning.approaches import Learned, Learning
 from learning.demonstrations import Demonstrations
-from learning.graph_training import GraphExample, action_loss, choice_loss, fit_graph_network
+from learning.graph_training import (
+    GraphExample,
+    action_loss,
+    choice_loss,
+    fit_graph_network,
+    pointer_loss,
+)
 from learning.graphs import Schema
 from learning.networks import Array32
 from learning.reactive import GraphModel
@@ -47,7 +53,8 @@ def metacontroller(data: Demonstrations, learned: Learned, how: Learning) -> Lea
         arguments = np.zeros((len(state.objects), places), np.float32)
         arguments[rows, range(len(rows))] = 1
         examples.append(GraphExample(graph, arguments, kinds[number]))
-    fitted = fit_graph_network(examples, choice_loss, how.graphs, how.seed, how.device)
+    loss = pointer_loss if how.graphs.pointers else choice_loss
+    fitted = fit_graph_network(examples, loss, how.graphs, how.seed, how.device)
     model = GraphModel(schema, fitted.network, tuple(one.skill.operator.name for one in skills))
     return Learned(learned.skills, model, (fitted.loss, fitted.epochs))
 

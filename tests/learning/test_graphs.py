@@ -7,16 +7,19 @@ import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
+from torch.nn.functional import cross_entropy
 
 from learning import graph_training
 from learning.graph_network import GraphNetwork, shapes
 from learning.graph_training import (
     GraphExample,
+    GraphLoss,
     GraphTraining,
     action_loss,
     choice_loss,
     device_of,
     fit_graph_network,
+    pointer_loss,
 )
 from learning.graphs import Batch, Graph, Schema
 from symbolic.errors import InputError
@@ -124,9 +127,31 @@ def choices(count: int) -> list[GraphExample]:
     return found
 
 
-def test_training_learns_choices_and_keeps_the_best_weights() -> None:
+def test_an_argument_is_one_choice_among_its_graphs_nodes() -> None:
+    rng = np.random.default_rng(0)
+    examples = []
+    for graph in [random_graph(rng) for _ in range(6)]:
+        wanted = np.zeros((len(graph.nodes), 3), np.float32)
+        for place in range(int(rng.integers(0, 4))):  # skills take none to three
+            wanted[rng.integers(len(wanted)), place] = 1
+        examples.append(GraphExample(graph, wanted, np.eye(2, dtype=np.float32)[int(rng.integers(2))]))
+    batch = graph_training._Tensors.of(examples, torch.device("cpu"))
+    nodes, whole = torch.randn(len(batch.nodes), 3) * 20, torch.randn(6, 2)
+    total, start = 0.0, 0
+    for example, scores in zip(examples, whole, strict=True):
+        own = nodes[start : start + len(example.nodes)]
+        start += len(example.nodes)
+        total += float(cross_entropy(scores, torch.from_numpy(example.whole)))
+        for place in range(3):
+            if example.nodes[:, place].any():
+                total += float(cross_entropy(own[:, place], torch.from_numpy(example.nodes[:, place])))
+    assert float(pointer_loss(nodes, whole, batch)) == pytest.approx(total / 6, rel=1e-4)
+
+
+@pytest.mark.parametrize("loss", [choice_loss, pointer_loss])
+def test_training_learns_choices_and_keeps_the_best_weights(loss: GraphLoss) -> None:
     examples = choices(300)
-    fitted = fit_graph_network(examples, choice_loss, FEW, 0, "cpu")
+    fitted = fit_graph_network(examples, loss, FEW, 0, "cpu")
     outputs = [fitted.network(one.graph) for one in examples]
     assert all(
         n[:, 0].argmax() == e.nodes[:, 0].argmax() for (n, _), e in zip(outputs, examples, strict=True)
@@ -134,7 +159,7 @@ def test_training_learns_choices_and_keeps_the_best_weights() -> None:
     assert all(w.argmax() == e.whole.argmax() for (_, w), e in zip(outputs, examples, strict=True))
     held_out = graph_training._Tensors.of(examples[:30], torch.device("cpu"))
     parameters = {name: torch.from_numpy(array) for name, array in fitted.network.arrays.items()}
-    assert float(graph_training._loss(parameters, held_out, choice_loss)) == pytest.approx(fitted.loss)
+    assert float(graph_training._loss(parameters, held_out, loss)) == pytest.approx(fitted.loss)
 
 
 def test_the_kept_weights_do_not_follow_the_training() -> None:
