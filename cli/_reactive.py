@@ -58,7 +58,7 @@ def _print(subject: Subject, execution: Execution, episode: Episode) -> None:
     for number, actions in groupby(execution.steps):
         step = episode.steps[number] if episode.steps else "actions"
         click.echo(f"  {number + 1}. {step}  ({len(list(actions))} actions)")
-    click.echo(f"planned:  no: a graph network acts in place of a planner ({subject.approach})")
+    click.echo(f"planned:  - (a graph network acts in place of a planner: {subject.approach})")
     fault = f" ({execution.fault})" if execution.fault else ""
     click.echo(f"executed: {'yes' if execution.success else 'no'}{fault}")
     click.echo(f"samples:  {episode.samples}; acting {execution.policy_seconds * 1000:.1f} ms")

@@ -111,7 +111,8 @@ def command(
     for one in learned.skills:
         support = f"(from {one.demonstrations} demonstrations, {one.segments} segments)"
         click.echo(f"{operator_text(one.skill.operator)}\n  {support}")
-        if not one.skill.operator.preconditions:
+        operator = one.skill.operator
+        if not operator.preconditions and (operator.add_effects or operator.delete_effects):
             click.echo("  no preconditions: do the predicates name every object that matters?")
         click.echo()
     if learned.graph is not None:

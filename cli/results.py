@@ -76,7 +76,7 @@ def _print(environment: str, rows: list[Row]) -> None:
         )
     print_table(table)
     for row in rows:
-        for remark in remarks(row):
+        for remark in remarks(row, rows):
             click.echo(f"{row.label}: {remark}")
 
 

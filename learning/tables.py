@@ -137,9 +137,12 @@ def _settings(run: Run) -> dict[str, Any]:
     return found
 
 
-def remarks(row: Row) -> list[str]:
-    """Return what a reader of a row's means should know: incomplete runs, several models of one seed."""
-    most = max(len(results) for results in row.runs.values())
+def remarks(row: Row, table: Sequence[Row]) -> list[str]:
+    """Return what a reader of a row's means should know: incomplete runs, several models of one seed.
+
+    A run is incomplete beside others of its table with more tasks.
+    """
+    most = max(len(results) for other in table for results in other.runs.values())
     found = [
         f"incomplete: model {name.model}, seed {name.seed}: {len(results)} tasks of {most}"
         for name, results in row.runs.items()

@@ -60,7 +60,7 @@ def test_a_model_without_a_planner_shows_what_it_does(bpns: Run, demos: Path, tm
     bpns("learn", demos, "--approach", "gnn-bc", "--out", model)
     code, out, _ = bpns("plan", model, "--show", picture)
     assert code in (0, 12)
-    assert "planned:  no: a graph network acts" in out
+    assert "planned:  - (a graph network acts" in out
     assert picture.stat().st_size > 1000
     for option in (("--planner", "kairos"), ("--compare", "astar"), ("--plans", "2"), ("--no-loops",)):
         code, _, err = bpns("plan", model, *option)

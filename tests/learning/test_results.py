@@ -146,7 +146,7 @@ def test_means_and_deviations_by_hand() -> None:
     [row] = tables({LEARNED: first, other: second})["cover"]
     assert row.label == "BPNS"
     assert row.runs == {RunName(0, 0, "aa"): first, RunName(1, 1, "bb"): second}
-    assert (row.tasks, remarks(row)) == ("2", [])
+    assert (row.tasks, remarks(row, [row])) == ("2", [])
     assert row.summary.solved == (75.0, 25.0)  # population: divided by 2, not by 1
     assert row.summary.refined == (100.0, 0.0)
     assert row.summary.seconds == (2.0, 1.0)  # 1.0 and 3.0
@@ -199,7 +199,7 @@ def test_runs_that_a_mean_should_not_hide_are_named() -> None:
     again = replace(LEARNED, origin=replace(LEARNED.origin, model="bb"))
     [row] = tables({LEARNED: [solved(0, 0), solved(0, 1)], again: [solved(0, 0)]})["cover"]
     assert row.tasks == "1 to 2"
-    assert remarks(row) == [
+    assert remarks(row, [row]) == [
         "incomplete: model bb, seed 0: 1 tasks of 2",
         "2 models of learning seed 0 in one mean: aa, bb",
     ]
