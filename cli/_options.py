@@ -35,7 +35,7 @@ plans_option = click.option(
 samples_option = click.option(
     "--samples",
     type=click.IntRange(1),
-    help="Subgoals to try per step (default: no limit; exhaustive: the environment's).",
+    help="Subgoals to try per step (default: no limit; exhaustive: the environment's). Give --timeout, too.",
 )
 per_plan_option = click.option(
     "--samples-per-plan",

@@ -38,11 +38,20 @@ def test_strategies_differ_where_it_matters(bpns: Run) -> None:
 
 
 @pytest.mark.parametrize("command", ["plan", "evaluate"])
-@pytest.mark.parametrize("option", ["--samples", "--samples-per-plan"])
-def test_samples_are_counted_by_the_exhaustive_strategy_only(bpns: Run, command: str, option: str) -> None:
-    code, _, err = bpns(command, "--oracle", "cover", option, 3)
+def test_samples_of_a_plan_are_counted_by_the_exhaustive_strategy_only(bpns: Run, command: str) -> None:
+    code, _, err = bpns(command, "--oracle", "cover", "--samples-per-plan", 3)
     assert code == 2
-    assert "--samples and --samples-per-plan go with --strategy exhaustive" in err
+    assert "--samples-per-plan goes with --strategy exhaustive" in err
+
+
+@pytest.mark.parametrize("strategy", ["adaptive", "exhaustive"])
+def test_samples_of_a_step_limit_both_strategies(bpns: Run, strategy: str) -> None:
+    """Two steps with one sample each: solved at once or by no plan of two steps."""
+    limits = ("--samples", 1, "--plans", 1, "--strategy", strategy)
+    _, out, _ = bpns("evaluate", "--oracle", "cover", "--seeds", 50_100, "--tasks", 10, *limits, "--json")
+    tasks = json.loads(out)["tasks"]
+    assert all(task["samples"] <= 2 * max(2, task["plan_length"]) for task in tasks)
+    assert {task["executed"] for task in tasks} == {True, False}
 
 
 def test_the_papers_search_is_not_ours(bpns: Run) -> None:
