@@ -147,8 +147,8 @@ def test_cover_is_learned_and_solved() -> None:
     solver = Solver(COVER, by_name, planners.load("astar"), COVER.budget)
     assert summarize({77: evaluate(solver, [77], 40)}).solved[0] >= 95
     summary = summarize({77: evaluate(replace(solver, strategy=exhaustive), [77], 40)})
-    assert summary.solved[0] >= 90
-    assert summary.nodes_created[0] < 10
+    assert summary.solved[0] >= 95
+    assert summary.nodes_created[0] < 12  # mostly, the first abstract plan can be refined
 
 
 @pytest.mark.parametrize(
