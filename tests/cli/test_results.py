@@ -72,15 +72,20 @@ def test_what_is_there_is_not_run_again(bpns: Program, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_killed_and_started_again(bpns: Program, tmp_path: Path, workers: int) -> None:
+def test_killed_and_started_again(
+    bpns: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int
+) -> None:
     """No row is lost, none there twice, and no worker stays behind."""
-    words = ("--oracle", "cover", "--seeds", "0-1", "--tasks", 60, "--out")
+    gate = tmp_path / "gate"  # without it, no process gets beyond 60 steps
+    monkeypatch.setenv("BPNS_TEST_GATE", str(gate))
+    words = ("--oracle", "tests.gated:Gated", "--seeds", "0-1", "--tasks", 60, "--out")
     killed, whole = tmp_path / "killed.sqlite", tmp_path / "whole.sqlite"
     process = start(*words, killed, "--workers", workers)
     deadline = time.monotonic() + 60
     while count(killed) < 2 and time.monotonic() < deadline:
-        time.sleep(0.002)
+        time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)
+    gate.touch()
     process.communicate(timeout=20)  # ends when all that write to it have ended: workers too
     assert process.returncode == -signal.SIGKILL
     kept = count(killed)
@@ -130,7 +135,7 @@ def test_a_file_that_is_no_such_file(bpns: Program, tmp_path: Path, kind: str, c
 
 
 def test_wrong_usage_makes_no_file(bpns: Program, tmp_path: Path) -> None:
-    code, _, _ = bpns("evaluate", "--oracle", "cover", "--samples", 3, "--out", tmp_path / "new.sqlite")
+    code, _, _ = bpns("evaluate", "--oracle", "cover", "--samples", 0, "--out", tmp_path / "new.sqlite")
     assert code == 2
     code, _, err = bpns("results", tmp_path / "new.sqlite")
     assert (code, err.count("\n"), "make them with 'bpns evaluate --out'" in err) == (36, 1, True)

@@ -1,0 +1,24 @@
+"""The toy world, where a process that has simulated 60 steps waits for the file named in $BPNS_TEST_GATE.
+
+So a test can stop a program in the middle of its work, however fast or slow the machine is.
+"""
+
+import os
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from symbolic.state import Array, State
+from tests.toy import Toy
+
+
+@dataclass(frozen=True)
+class Gated(Toy):
+    name: str = "gated"
+    steps: list[None] = field(default_factory=list)
+
+    def simulate(self, state: State, action: Array) -> State:
+        self.steps.append(None)
+        while len(self.steps) > 60 and not Path(os.environ["BPNS_TEST_GATE"]).exists():
+            time.sleep(0.01)
+        return super().simulate(state, action)
