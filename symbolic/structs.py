@@ -5,8 +5,8 @@ fields would be computed anew each time that an atom enters a set.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import TypeVar
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeVar
 
 Atom = TypeVar("Atom", "GroundAtom", "LiftedAtom")
 
@@ -227,9 +227,17 @@ class GroundOperator:
     add_effects: frozenset[GroundAtom] = field(compare=False)
     delete_effects: frozenset[GroundAtom] = field(compare=False)
     negative_preconditions: frozenset[GroundAtom] = field(compare=False)
+    _hash: int = field(init=False, compare=False, repr=False)  # a search asks for it all the time
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.operator.name, self.objects)))
 
     def __hash__(self) -> int:
-        return hash((self.operator.name, self.objects))
+        return self._hash
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Build it anew: in another process names have other hashes."""
+        return GroundOperator, tuple(getattr(self, one.name) for one in fields(self) if one.init)
 
     def __str__(self) -> str:
         return f"{self.operator.name}({', '.join(o.name for o in self.objects)})"

@@ -12,7 +12,8 @@ from symbolic.costs import Costs
 from symbolic.heuristics import Heuristic
 from symbolic.planners import Limit, SearchRecord
 from symbolic.planners._levels import Levels
-from symbolic.planners._product import CHEAP, EnoughError, Node, Path, Product, State, StoppedError
+from symbolic.planners._nodes import Node, Path, State
+from symbolic.planners._product import CHEAP, EnoughError, Product, StoppedError
 
 EXPLORE_AFTER = 1000  # states opened since costs change: fewer are no reason to look at all there are
 

@@ -6,7 +6,8 @@ from math import inf
 from random import Random
 from typing import TypeAlias
 
-from symbolic.planners._product import Node, Path, Product, State
+from symbolic.planners._nodes import Node, Path, State
+from symbolic.planners._product import Product
 
 _IN_VAIN = 4  # states looked at in vain for one plan before the heuristic is asked about more of them
 _FAILURES = 2  # lengths of which a state has no way before we ask whether it has any

@@ -1,18 +1,14 @@
-"""Abstract states, and those states again with what was already given: what our search walks on.
-
-A ``State`` is an abstract state. A ``Branch`` is a state reached by the first steps of a plan that was given;
-its children are that state's, but where given plans go on there are branches, and where they end is nothing.
-So the plans not yet given are exactly the paths from the root to a goal.
-"""
+"""The graph of nodes that our search walks on, made as it goes: ``_nodes`` says what they are."""
 
 from collections.abc import Sequence
 from heapq import heappop, heappush
 from math import inf
-from typing import TypeAlias
 
 from symbolic.compile import CompiledProblem, successor_function
 from symbolic.heuristics import Heuristic, LmCut
 from symbolic.planners import Limit, SearchRecord
+from symbolic.planners._branch_values import BranchValues
+from symbolic.planners._nodes import Branch, Node, Path, State
 from symbolic.planners._space import Space, explore
 
 CHEAP = 16  # states that are looked at before the heuristic is asked about more of them
@@ -25,66 +21,6 @@ class StoppedError(Exception):
 
 class EnoughError(Exception):
     """So many states were opened that it pays to look at all there are."""
-
-
-class State:
-    """An abstract state; ``value`` is at most what the cheapest way from it to a goal costs."""
-
-    __slots__ = (
-        "alive", "base", "branches", "children", "failures", "given", "goal", "mask", "operators", "origin",
-        "parents", "unsure", "value", "way",
-    )  # fmt: skip
-
-    extra = 0.0
-
-    def __init__(self, mask: int, goal: bool, value: float, origin: "tuple[State, int] | None") -> None:
-        self.mask = mask
-        self.goal = goal
-        self.value = self.base = value  # base: the part that holds whatever the penalties are
-        self.operators: Sequence[int] = ()
-        self.children: list[Node] | None = None  # one for each operator; None until it is opened
-        self.given = 0
-        self.failures = 0  # lengths of which it has no way to a goal
-        self.alive = goal  # whether a goal is known to be within reach
-        self.unsure = not goal  # whether the heuristic was not asked yet
-        self.origin = origin  # where it was discovered, and by which operator
-        self.way = -1  # which child the last plan through it went on to
-        self.parents: list[tuple[State, int]] | None = (
-            None  # opened states, and which child of theirs this is
-        )
-        self.branches: list[Branch] | None = None
-
-
-class Branch:
-    """A state after the first steps of given plans; ``value`` is about the plans not given yet.
-
-    ``extra`` is paid on entering it, and is a part of ``value``.
-    """
-
-    __slots__ = (
-        "above", "base", "children", "extra", "failures", "given", "operators", "place", "rest", "state",
-        "value",
-    )  # fmt: skip
-
-    goal = False
-    alive = True
-    way = -1
-    unsure = False
-
-    def __init__(self, state: State, rest: Sequence[int], above: "Branch | None", place: int) -> None:
-        self.state = state
-        self.rest = rest  # how the one given plan goes on: places among the children, until it is opened
-        self.above = above  # the branch before it, and its place among that one's children
-        self.place = place
-        self.operators = state.operators
-        self.children: list[Node] | None = None if rest else []
-        self.value, self.base = (state.value, state.base) if rest else (inf, inf)
-        self.given = 1  # plans given that begin like this
-        self.extra = 0.0
-
-
-Node: TypeAlias = State | Branch
-Path: TypeAlias = list[tuple[Node, int]]  # nodes and which of its children each is left by
 
 
 class Product:
@@ -112,8 +48,10 @@ class Product:
         self.users: list[list[tuple[State, int]]] = [[] for _ in problem.operators]
         self.successors = successor_function(problem)
         self.states: dict[int, State] = {}
-        self.branches: list[Branch] = []  # those nearer to the root first
+        self.branches: list[Branch] = []
+        self.touched: dict[Branch, None] = {}  # those that changed since values were measured
         self.space: Space | None = None
+        self.branch_values = BranchValues(0)
         self.patience = inf  # until how many states are opened we go on without
         record.nodes_created += 1
         start = self.states[problem.init] = State(problem.init, problem.is_goal(problem.init), 0, None)
@@ -202,7 +140,7 @@ class Product:
             if child is None:
                 goal = problem.is_goal(mask)
                 if self.space is not None:
-                    bound = self.space.distance(mask)
+                    bound = float(self.space.distances[self.space.number(mask)])
                 child = states[mask] = State(mask, goal, 0 if goal else bound, (state, number))
                 child.unsure = child.unsure and self.space is None
                 self.record.nodes_created += 1
@@ -224,6 +162,7 @@ class Product:
         following = children[place]
         assert isinstance(following, State)
         children[place] = self._branch(following, rest, branch, place)
+        self.touched[branch] = None
         return children
 
     def _branch(self, state: State, rest: Sequence[int], above: Branch | None, place: int) -> Branch:
@@ -236,8 +175,9 @@ class Product:
 
     def _new_branch(self, state: State, rest: Sequence[int], above: Branch | None, place: int) -> Branch:
         self.record.nodes_created += 1
-        branch = Branch(state, rest, above, place)
+        branch = Branch(state, rest, above, place, len(self.branches))
         self.branches.append(branch)
+        self.touched[branch] = None
         return branch
 
     def follow(self, steps: Sequence[int]) -> Path:
@@ -268,7 +208,13 @@ class Product:
         if branch.above is None:
             self.root = branch
         else:
-            self.open(branch.above)[branch.place] = branch
+            self._put(branch)
+
+    def _put(self, branch: Branch) -> None:
+        """Let a branch stand where its state, or another branch of that state, stood."""
+        assert branch.above is not None
+        self.open(branch.above)[branch.place] = branch
+        self.touched[branch.above] = None
 
     def change(self, costs: dict[int, float]) -> None:
         """Set costs of operators; lower the values that rest on those that fell, unless they are measured."""
@@ -303,21 +249,31 @@ class Product:
         self.space = explore(self.problem)
         if self.space is not None:
             self.record.nodes_created += len(self.space.index)
+            self.branch_values = BranchValues(len(self.space.index))
+            self.touched = dict.fromkeys(self.branches)
             self.measure()
 
     def measure(self) -> None:
         """Set all values to what follows from exact distances at the present costs."""
-        space = self.space
+        space, values = self.space, self.branch_values
         assert space is not None
         space.measure(self.costs)
+        distances = space.distances.tolist()
         for state in self.states.values():
-            state.value, state.unsure = space.distance(state.mask), False
-        for branch in reversed(self.branches):
-            least = branch.state.value
-            if branch.children is not None:
-                ways = zip(branch.operators, branch.children, strict=False)
-                least = min([self.costs[o] + child.value for o, child in ways], default=inf)
-            branch.value = branch.extra + least
+            if state.number < 0:
+                state.number = space.number(state.mask)
+            state.value, state.unsure = distances[state.number], False
+        for branch in self.branches[len(values) :]:
+            values.add(branch.state.number)
+        for branch in self.touched:
+            values.extras[branch.number] = inf if branch.children == [] else branch.extra
+            if branch.children:
+                targets = [c.number + (values.first if isinstance(c, Branch) else 0) for c in branch.children]
+                values.set_ways(branch.number, branch.depth, branch.operators, targets)
+        self.touched.clear()
+        found = values.measure(space.distances, self.costs).tolist()
+        for branch, value in zip(self.branches, found, strict=True):
+            branch.value = value
 
     def penalize(self, steps: Sequence[int], extra: float) -> None:
         """Let all plans that begin with these steps, and go on, cost so much more."""
@@ -326,6 +282,7 @@ class Product:
             change = extra - branch.extra
             branch.extra = extra
             branch.value += change
+            self.touched[branch] = None
             if change < 0 and self.space is None:
                 self._spread([branch])
 
@@ -336,9 +293,7 @@ class Product:
         if above is not None and steps[-1] in above.operators:
             place = above.operators.index(steps[-1])
             child = children[place]
-            children[place] = self._new_branch(
-                child if isinstance(child, State) else child.state, (), above, place
-            )
+            self._put(self._new_branch(child if isinstance(child, State) else child.state, (), above, place))
 
     def _prefix(self, steps: Sequence[int]) -> Branch | None:
         """Return the branch after these steps, a new one if need be; None where no plan begins so."""
@@ -355,7 +310,8 @@ class Product:
                 if child.goal:
                     return None
                 assert isinstance(node, Branch)
-                child = children[place] = self._copy(child, node, place)
+                child = self._copy(child, node, place)
+                self._put(child)
             node = child
         assert isinstance(node, Branch)
         return node

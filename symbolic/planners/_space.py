@@ -37,9 +37,9 @@ class Space:
             distances[leaving] = least
         self.distances = distances
 
-    def distance(self, mask: int) -> float:
-        """Return a state's distance."""
-        return float(self.distances[self.index[mask.to_bytes(8 * self.words, "little")]])
+    def number(self, mask: int) -> int:
+        """Return a state's number."""
+        return self.index[mask.to_bytes(8 * self.words, "little")]
 
 
 def explore(problem: CompiledProblem) -> Space | None:
