@@ -14,7 +14,7 @@ import click
 
 import envs
 from bpns import __version__
-from cli._options import MAX_SEED, overwrite_option, progress_bar
+from cli._options import MAX_SEED, check_unused, overwrite_option, progress_bar
 from learning import approaches
 from learning.approaches import Learning
 from learning.demonstrations import read_demonstrations, read_environment_name
@@ -64,9 +64,12 @@ def command(
 
     With --approach: whatever that approach learns in their place.
     """
-    learn = approaches.load(approach).learn
+    chosen = approaches.load(approach)
+    learn = chosen.learn
     if learn is None:
-        raise click.UsageError(f"'{approach}' learns nothing: {approaches.load(approach).summary}")
+        raise click.UsageError(f"'{approach}' learns nothing: {chosen.summary}")
+    if not chosen.skills:
+        check_unused(["min_share"], f"'{approach}' learns no operators")
     load = environment or read_environment_name(demonstrations)
     world = envs.load(load)
     data = read_demonstrations(demonstrations, world)

@@ -70,8 +70,9 @@ def _figure(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Figure:
     drawn: dict[str, Artist] = {}
     grid = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, (environment, lines) in zip(grid, panels.items(), strict=True):
-        for label, rows in lines.items():
-            drawn[label] = _draw_line(axes, rows, *styles[label])
+        for number, (label, rows) in enumerate(lines.items(), 1):
+            width = 1.2 + 0.8 * (len(lines) - number)  # so that those below others stick out
+            drawn[label] = _draw_line(axes, rows, *styles[label], width)
         axes.set_title(environment)
         axes.set_xlabel("Number of Demonstrations")
         axes.set_ylim(-5, 110)
@@ -91,12 +92,20 @@ def _styles(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Iterator[tuple
         used[color] += 1
 
 
-def _draw_line(axes: Axes, rows: Sequence[Row], color: str, dashes: str) -> Artist:
+def _draw_line(axes: Axes, rows: Sequence[Row], color: str, dashes: str, width: float) -> Artist:
     counts = [0, *(row.run.origin.demonstrations or 0 for row in rows)]
     means = [0.0, *(row.summary.solved[0] for row in rows)]
     deviations = [0.0, *(row.summary.solved[1] for row in rows)]
     drawn = axes.errorbar(
-        counts, means, deviations, color=color, linestyle=dashes, marker="o", markersize=3, capsize=3
+        counts,
+        means,
+        deviations,
+        color=color,
+        linestyle=dashes,
+        linewidth=width,
+        marker="o",
+        markersize=3,
+        capsize=3,
     )
     line: Artist = drawn.lines[0]
     return line

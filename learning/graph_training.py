@@ -126,11 +126,17 @@ def action_loss(nodes: Tensor, whole: Tensor, batch: _Tensors) -> Tensor:
 
 @fast_small_numbers()
 def fit_graph_network(
-    examples: Sequence[GraphExample], loss: GraphLoss, training: GraphTraining, seed: int, device: str
+    examples: Sequence[GraphExample],
+    loss: GraphLoss,
+    training: GraphTraining,
+    seed: int,
+    device: str,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> GraphFitted:
     """Fit a network; batches keep the examples' order. Raises InputError where there are too few examples.
 
     The weights with the best loss on the examples held out are kept: a copy of them, as training goes on.
+    ``progress`` gets the number of epochs done and of all.
     """
     if len(examples) < 2:
         raise InputError(
@@ -153,6 +159,7 @@ def fit_graph_network(
     best: dict[str, Array32] = {}
     best_loss = float("inf")
     for epoch in range(epochs + 1):
+        progress(epoch, epochs)
         if epoch % training.check_every == 0 or epoch == epochs:
             with torch.no_grad():
                 losses = [float(_loss(parameters, batch, loss)) for batch in judged]

@@ -17,7 +17,7 @@ def check_output(path: Path, overwrite: bool = False, folder: bool = False) -> N
     To be called before long work, not after it.
     """
     if path.exists() and not overwrite:
-        raise InputError(f"{path} exists: give --overwrite to replace it, or another --out")
+        raise InputError(f"{path} exists: give --overwrite to replace it, or another name")
     if path.is_dir() and not folder:
         raise InputError(f"{path} is a folder: give the name of a file")
     parent = path.parent

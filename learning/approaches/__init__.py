@@ -47,6 +47,7 @@ class Approach:
     title: str
     summary: str
     learn: Learn | None = None  # None: there is nothing to learn
+    skills: bool = True  # whether it learns operators
 
 
 def names() -> list[str]:

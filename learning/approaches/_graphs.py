@@ -54,7 +54,7 @@ def metacontroller(data: Demonstrations, learned: Learned, how: Learning) -> Lea
         arguments[rows, range(len(rows))] = 1
         examples.append(GraphExample(graph, arguments, kinds[number]))
     loss = pointer_loss if how.graphs.pointers else choice_loss
-    fitted = fit_graph_network(examples, loss, how.graphs, how.seed, how.device)
+    fitted = fit_graph_network(examples, loss, how.graphs, how.seed, how.device, how.progress)
     model = GraphModel(schema, fitted.network, tuple(one.skill.operator.name for one in skills))
     return Learned(learned.skills, model, (fitted.loss, fitted.epochs))
 
@@ -77,5 +77,5 @@ def cloning(environment: Environment, data: Demonstrations, how: Learning) -> Le
         )
         for state, atoms, goal, action in rows
     ]
-    fitted = fit_graph_network(examples, action_loss, how.graphs, how.seed, how.device)
+    fitted = fit_graph_network(examples, action_loss, how.graphs, how.seed, how.device, how.progress)
     return Learned((), GraphModel(schema, fitted.network), (fitted.loss, fitted.epochs))

@@ -12,4 +12,6 @@ def learn(environment: Environment, data: Demonstrations, how: Learning) -> Lear
     return cloning(environment, data, how)
 
 
-APPROACH = Approach("GNN BC", "a graph network gives the next action; no skills, no planner", learn)
+APPROACH = Approach(
+    "GNN BC", "a graph network gives the next action; no skills, no planner", learn, skills=False
+)

@@ -76,6 +76,9 @@ def test_the_list_names_all(bpns: Run) -> None:
 
 
 def test_wrong_approaches_are_one_line(bpns: Run, demos: Path, tmp_path: Path) -> None:
+    words = ("learn", demos, "--approach", "gnn-bc", "--min-share", 0, "--out", tmp_path / "model")
+    code, _, err = bpns(*words)
+    assert (code, "'gnn-bc' learns no operators: leave --min-share out" in err) == (2, True)
     code, _, err = bpns("learn", demos, "--approach", "gnn", "--out", tmp_path / "model")
     assert code == 36
     assert "unknown approach 'gnn'" in err

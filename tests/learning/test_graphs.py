@@ -173,7 +173,12 @@ def test_the_kept_weights_do_not_follow_the_training() -> None:
 
 
 def test_training_repeats() -> None:
-    one, two = (fit_graph_network(choices(40), choice_loss, FEW, 3, "cpu") for _ in range(2))
+    done: list[tuple[int, int]] = []
+    one, two = (
+        fit_graph_network(choices(40), choice_loss, FEW, 3, "cpu", lambda *epoch: done.append(epoch))
+        for _ in range(2)
+    )
+    assert done == 2 * [(epoch, FEW.epochs) for epoch in range(FEW.epochs + 1)]
     assert all((one.network.arrays[n] == two.network.arrays[n]).all() for n in one.network.arrays)
 
 
