@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from learning.tables import Row, base
 from symbolic.draw_operators import FORMATS, picture_format
@@ -30,6 +31,7 @@ COLORS = {
 }
 OTHERS = "teal"
 DASHES = ("-", "--", ":", "-.")  # for lines of one colour, such as another preset
+WIDTHS = (4.5, 1.2)  # of the first line and of the last
 SIZE = (2.5, 5.0)  # inches of a panel: 10 x 5 for the paper's four environments
 COLUMN = 2.2  # inches of the legend's columns, about
 DPI = 150
@@ -70,9 +72,9 @@ def _figure(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Figure:
     drawn: dict[str, Artist] = {}
     grid = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for axes, (environment, lines) in zip(grid, panels.items(), strict=True):
-        for number, (label, rows) in enumerate(lines.items(), 1):
-            width = 1.2 + 0.8 * (len(lines) - number)  # so that those below others stick out
-            drawn[label] = _draw_line(axes, rows, *styles[label], width)
+        for label in styles:  # in this order, so that the thinner ones are on top
+            if label in lines:
+                drawn[label] = _draw_line(axes, lines[label], styles[label])
         axes.set_title(environment)
         axes.set_xlabel("Number of Demonstrations")
         axes.set_ylim(-5, 110)
@@ -82,30 +84,27 @@ def _figure(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Figure:
     return figure
 
 
-def _styles(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Iterator[tuple[str, tuple[str, str]]]:
-    """Give each label a colour, the paper's where it has one, and dashes: alike in all panels."""
+def _styles(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Give each label a colour, the paper's where it has one, dashes and a width: alike in all panels.
+
+    Each line is thinner than those before it, so that equal ones do not hide each other.
+    """
     labels = {label: base(rows[0].run) for lines in panels.values() for label, rows in lines.items()}
     used: dict[str, int] = {}
-    for label, name in labels.items():
+    for number, (label, name) in enumerate(labels.items()):
         color = COLORS.get(name, OTHERS)
-        yield label, (color, DASHES[used.setdefault(color, 0) % len(DASHES)])
+        dashes = DASHES[used.setdefault(color, 0) % len(DASHES)]
         used[color] += 1
+        thinner = (WIDTHS[0] - WIDTHS[1]) * number / max(1, len(labels) - 1)
+        yield label, {"color": color, "linestyle": dashes, "linewidth": WIDTHS[0] - thinner}
 
 
-def _draw_line(axes: Axes, rows: Sequence[Row], color: str, dashes: str, width: float) -> Artist:
+def _draw_line(axes: Axes, rows: Sequence[Row], style: Mapping[str, Any]) -> Artist:
     counts = [0, *(row.run.origin.demonstrations or 0 for row in rows)]
     means = [0.0, *(row.summary.solved[0] for row in rows)]
     deviations = [0.0, *(row.summary.solved[1] for row in rows)]
     drawn = axes.errorbar(
-        counts,
-        means,
-        deviations,
-        color=color,
-        linestyle=dashes,
-        linewidth=width,
-        marker="o",
-        markersize=3,
-        capsize=3,
+        counts, means, deviations, elinewidth=1, marker="o", markersize=3, capsize=3, **style
     )
     line: Artist = drawn.lines[0]
     return line
