@@ -1,6 +1,10 @@
 """Symbolic values: what their constructors check and what applying an operator does."""
 
+import os
 import pickle
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -18,6 +22,7 @@ from symbolic.structs import (
 )
 from tests.symbolic._problems import BLOCK, COVERS, GRIPPER, HAND_EMPTY, HOLDING, PICK, TARGET
 
+ROOT = Path(__file__).parents[2]
 BLOCK0, BLOCK1 = Object("block0", BLOCK), Object("block1", BLOCK)
 ROBBY = Object("robby", GRIPPER)
 
@@ -184,6 +189,18 @@ def test_values_survive_pickling() -> None:
     assert copy == step
     assert hash(copy) == hash(step)
     assert copy.preconditions == step.preconditions
+
+
+@pytest.mark.parametrize("seed", ["1", "2"])
+def test_an_operator_from_another_process_is_found_here(seed: str) -> None:
+    """Its hash is that of this process, whatever PYTHONHASHSEED was where it was pickled."""
+    there = (
+        "import pickle, sys; from tests.symbolic.test_structs import BLOCK0, PICK, ROBBY; "
+        "sys.stdout.buffer.write(pickle.dumps(PICK.ground((BLOCK0, ROBBY))))"
+    )
+    environment = os.environ | {"PYTHONHASHSEED": seed}
+    sent = subprocess.run([sys.executable, "-c", there], env=environment, cwd=ROOT, capture_output=True)
+    assert pickle.loads(sent.stdout) in {PICK.ground((BLOCK0, ROBBY))}
 
 
 def test_orders_are_by_name() -> None:
