@@ -14,7 +14,7 @@ from pathlib import Path
 
 from benchmark import bpns
 
-from symbolic.files import write_text
+from bpns.symbolic.files import write_text
 
 ENVIRONMENTS = ("cover", "stick_button", "coffee", "doors")
 GRAPHS = ("gnn-meta", "gnn-meta-no-subgoal", "gnn-bc")

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.files import write_json, write_text
+from bpns.symbolic.files import write_json, write_text
 
 TASKS = 50
 PARTS = ("own", "larger", "few")

@@ -19,15 +19,15 @@ from time import monotonic
 
 import numpy as np
 
-import envs
-from symbolic import planners
-from symbolic.environment import domain_of as environment_domain
-from symbolic.environment import problem_of, sample_tasks
-from symbolic.errors import InputError
-from symbolic.grounding import GroundProblem, Unreachable, ground
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.planners import Limit, SearchRecord
-from symbolic.structs import Domain, Problem
+from bpns import envs
+from bpns.symbolic import planners
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.grounding.ground import GroundProblem, Unreachable, ground
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.planners.protocol import Limit, SearchRecord
+from bpns.symbolic.skills.environment import domain_of as environment_domain
+from bpns.symbolic.skills.environment import problem_of, sample_tasks
+from bpns.symbolic.structs import Domain, Problem
 
 
 def domain_of(path: Path) -> Path | None:

@@ -15,14 +15,21 @@ import torch
 from torch import Tensor
 from torch.nn.functional import one_hot
 
-import envs
-from learning import graph_training
-from learning.approaches import Learned, Learning, _graphs
-from learning.demonstrations import read_demonstrations, read_environment_name
-from learning.graph_network import ROUNDS
-from learning.graph_training import GraphExample, GraphFitted, GraphTraining, choice_loss, fit_graph_network
-from learning.skills import SkillConfig, learn_skills
-from learning.training import Training, fast_small_numbers
+from bpns import envs
+from bpns.learning.approaches import Learned, Learning
+from bpns.learning.data.demonstrations import read_demonstrations, read_environment_name
+from bpns.learning.graphs import learning as _graphs
+from bpns.learning.graphs import training as graph_training
+from bpns.learning.graphs.network import ROUNDS
+from bpns.learning.graphs.training import (
+    GraphExample,
+    GraphFitted,
+    GraphTraining,
+    choice_loss,
+    fit_graph_network,
+)
+from bpns.learning.models.learn import SkillConfig, learn_skills
+from bpns.learning.networks.training import Training, fast_small_numbers
 
 CPU = torch.device("cpu")
 Tensors = graph_training._Tensors

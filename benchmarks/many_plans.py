@@ -17,11 +17,12 @@ from time import process_time
 
 import numpy as np
 
-from symbolic.costs import Costs
-from symbolic.grounding import GroundProblem, ground
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.planners import AbstractPlan, Limit, SearchRecord, load
-from symbolic.planners.astar import AStar
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.planners.astar import AStar
+from bpns.symbolic.planners.costs import Costs
+from bpns.symbolic.planners.protocol import AbstractPlan, Limit, SearchRecord
+from bpns.symbolic.planners.registry import load
 
 FOLDER = Path(__file__).parents[2] / "shared" / "pddl-bench"
 PROBLEMS = ("stick-10", "stick-15", "doors-20", "cover-6", "coffee-4", "doors-100")

@@ -23,15 +23,16 @@ from pathlib import Path
 from statistics import median
 from time import monotonic
 
-from symbolic import planners
-from symbolic.checkers import Inputs, PlanSource, Source, unified_planning
-from symbolic.errors import InputError
-from symbolic.grounding import GroundProblem, Unreachable, ground
-from symbolic.pddl.plan_file import parse_plan
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.planners import About, Limit, Planner
-from symbolic.planners._first_plans import first_plans
-from symbolic.validate import first_fault
+from bpns.symbolic import planners
+from bpns.symbolic.checkers import unified_planning
+from bpns.symbolic.checkers.reports import Inputs, PlanSource, Source
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.grounding.ground import GroundProblem, Unreachable, ground
+from bpns.symbolic.pddl.plan_fault import first_fault
+from bpns.symbolic.pddl.plan_file import parse_plan
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.planners.protocol import About, Limit, Planner
+from bpns.symbolic.planners.streams import first_plans
 
 ROOT = Path(__file__).parents[1]
 SHARED = ROOT.parent / "shared"

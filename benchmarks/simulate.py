@@ -3,9 +3,9 @@
 import argparse
 from time import perf_counter
 
-import envs
-from learning.demonstrations import Demonstration, demonstrate
-from symbolic.environment import sample_tasks
+from bpns import envs
+from bpns.learning.data.demonstrations import Demonstration, demonstrate
+from bpns.symbolic.skills.environment import sample_tasks
 
 
 def main() -> None:

@@ -11,14 +11,14 @@ from math import inf
 from pathlib import Path
 from statistics import fmean
 
-import envs
-from learning.saved import read_model
-from symbolic import planners
-from symbolic.adaptive import Adaptive, adaptive
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import sample_tasks
-from symbolic.exhaustive import exhaustive
-from symbolic.search import Strategy
+from bpns import envs
+from bpns.learning.models.saved import read_model
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.adaptive import Adaptive, adaptive
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.bilevel.strategy import Strategy
+from bpns.symbolic.skills.environment import sample_tasks
 
 SEED = 50_000
 NAMES = ("stick_button", "stick_button:test_buttons=6", "stick_button:test_buttons=10", "coffee:test_cups=10")

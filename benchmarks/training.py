@@ -8,7 +8,7 @@ from time import process_time
 import numpy as np
 import torch
 
-from learning.training import (
+from bpns.learning.networks.training import (
     Training,
     binary_cross_entropy,
     fit,

@@ -1,5 +1,5 @@
 """``python -m bpns``."""
 
-from bpns import main
+from bpns.cli.main import main
 
 main()

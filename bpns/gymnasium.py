@@ -10,10 +10,17 @@ from typing import Any, TypeAlias, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-import envs
-from symbolic.environment import Environment, EnvironmentFailure, Split, abstract, holds, sample_tasks
-from symbolic.state import Array, State, Task
-from symbolic.structs import GroundAtom, sort_atoms
+from bpns import envs
+from bpns.symbolic.skills.environment import (
+    Environment,
+    EnvironmentFailure,
+    Split,
+    abstract,
+    holds,
+    sample_tasks,
+)
+from bpns.symbolic.state import Array, State, Task
+from bpns.symbolic.structs import GroundAtom, sort_atoms
 
 try:
     import gymnasium

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import click
 
-from cli._options import NO_PLAN, NOT_REFINED, PLANNER_FAILED, load_subject
-from symbolic.environment import domain_of
-from symbolic.grounding import OutOfTime, Unreachable, ground
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.pddl.write import model_names
-from symbolic.planners import Limit, Planner, SearchRecord
-from symbolic.planners._first_plans import first_plans
-from symbolic.structs import Domain
+from bpns.cli._options import NO_PLAN, NOT_REFINED, PLANNER_FAILED, load_subject
+from bpns.symbolic.grounding.ground import OutOfTime, Unreachable, ground
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.pddl.write import model_names
+from bpns.symbolic.planners.protocol import Limit, Planner, SearchRecord
+from bpns.symbolic.planners.streams import first_plans
+from bpns.symbolic.skills.environment import domain_of
+from bpns.symbolic.structs import Domain
 
 MAX_NODES = 10_000_000  # memory ends about there
 

@@ -10,17 +10,17 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from cli._options import Subject, progress_bar
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import Budget
-from symbolic.errors import InputError, MissingPackage
-from symbolic.execution import execute
-from symbolic.grounding import GroundProblem
-from symbolic.planners import Limit
-from symbolic.planners._first_plans import Enumeration, first_plans
-from symbolic.search import Strategy
-from symbolic.state import Task
+from bpns.cli._options import Subject, progress_bar
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.bilevel.strategy import Strategy
+from bpns.symbolic.errors import InputError, MissingPackage
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.planners.protocol import Limit
+from bpns.symbolic.planners.streams import Enumeration, first_plans
+from bpns.symbolic.skills.environment import Budget
+from bpns.symbolic.state import Task
 
 LONGEST_NAME = 40  # commands are long
 SECONDS = 60.0  # for each planner, unless --timeout says otherwise

@@ -12,14 +12,14 @@ from click.core import ParameterSource
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-import envs
-from learning.reactive import GraphModel
-from learning.saved import read_model, read_model_file
-from symbolic.adaptive import adaptive
-from symbolic.environment import Budget, Environment
-from symbolic.exhaustive import exhaustive
-from symbolic.search import Strategy
-from symbolic.skills import Skill
+from bpns import envs
+from bpns.learning.graphs.reactive import GraphModel
+from bpns.learning.models.saved import read_model, read_model_file
+from bpns.symbolic.bilevel.adaptive import adaptive
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.bilevel.strategy import Strategy
+from bpns.symbolic.skills.environment import Budget, Environment
+from bpns.symbolic.skills.skill import Skill
 
 MAX_SEED = 2**31 - 1
 NO_PLAN, NOT_REFINED, PLANNER_FAILED = 11, 12, 32  # exit codes; as in Fast Downward where it has them

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import click
 
-from cli._options import NOT_REFINED, Subject
-from envs._animation import write_animation
-from learning.reactive import Episode, react
-from symbolic.execution import Execution
-from symbolic.state import Task
-from symbolic.structs import sort_atoms
+from bpns.cli._options import NOT_REFINED, Subject
+from bpns.envs.animation import write_animation
+from bpns.learning.graphs.reactive import Episode, react
+from bpns.symbolic.bilevel.execution import Execution
+from bpns.symbolic.state import Task
+from bpns.symbolic.structs import sort_atoms
 
 
 def act(

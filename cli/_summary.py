@@ -7,7 +7,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from learning.evaluation import Summary
+from bpns.learning.experiments.evaluation import Summary
 
 COLUMNS = ("planned %", "refined %", "solved %", "nodes", "plans", "samples", "time s")
 

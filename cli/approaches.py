@@ -5,7 +5,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from learning import approaches
+from bpns.learning import approaches
 
 SETTINGS = (  # of 'bpns evaluate' and 'bpns learn', as the paper's tables call them
     ("Samples=1", "evaluate --samples 1", "BPNS with one subgoal per step"),

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import click
 
-import envs
-from cli._options import MAX_SEED, NOT_REFINED, overwrite_option, progress_bar, workers_option
-from learning.demonstrations import collect, write_demonstrations
-from symbolic.environment import domain_of
-from symbolic.files import check_output
-from symbolic.pddl.write import model_names
+from bpns import envs
+from bpns.cli._options import MAX_SEED, NOT_REFINED, overwrite_option, progress_bar, workers_option
+from bpns.learning.data.demonstrations import collect, write_demonstrations
+from bpns.symbolic.files import check_output
+from bpns.symbolic.pddl.write import model_names
+from bpns.symbolic.skills.environment import domain_of
 
 
 @click.command()

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from cli._options import json_option
-from symbolic.difference import compare
-from symbolic.difference_text import difference_json, difference_text
-from symbolic.pddl.read import read_domain
+from bpns.cli._options import json_option
+from bpns.symbolic.compare.difference import compare
+from bpns.symbolic.compare.difference_text import difference_json, difference_text
+from bpns.symbolic.pddl.read import read_domain
 
 
 def _domain_file(path: Path) -> Path:

@@ -7,9 +7,9 @@ from dataclasses import asdict, fields, is_dataclass
 
 import click
 
-import envs
-from cli._options import MAX_SEED, json_option
-from symbolic.contract import check
+from bpns import envs
+from bpns.cli._options import MAX_SEED, json_option
+from bpns.symbolic.environment_check import check
 
 
 @click.group(invoke_without_command=True)

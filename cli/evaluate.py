@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from bpns import __version__
-from cli._options import (
+from bpns.cli._options import (
     MAX_SEED,
     PLANNING,
     Subject,
@@ -30,11 +30,11 @@ from cli._options import (
     strategy_option,
     timeout_option,
 )
-from cli._summary import cells, new_table, print_table, summary_json
-from learning.evaluation import Result, Solver, evaluate, summarize
-from learning.origin import ORACLE, read_origin
-from learning.results import Run, Store, add_result, open_results, read_results
-from symbolic import planners
+from bpns.cli._summary import cells, new_table, print_table, summary_json
+from bpns.learning.experiments.evaluation import Result, Solver, evaluate, summarize
+from bpns.learning.experiments.results import Run, Store, add_result, open_results, read_results
+from bpns.learning.models.origin import ORACLE, read_origin
+from bpns.symbolic import planners
 
 
 def _seeds(_: click.Context, __: click.Parameter, value: str | None) -> list[int] | None:

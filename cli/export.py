@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from cli._options import MAX_SEED, environment_option, load_subject, oracle_option, overwrite_option
-from symbolic.environment import domain_of, problem_of, sample_tasks
-from symbolic.errors import InputError
-from symbolic.files import check_output, read_text, write_text
-from symbolic.pddl.portable import portable
-from symbolic.pddl.write import write_domain, write_problem
+from bpns.cli._options import MAX_SEED, environment_option, load_subject, oracle_option, overwrite_option
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.files import check_output, read_text, write_text
+from bpns.symbolic.pddl.rewriting.portable import portable
+from bpns.symbolic.pddl.write import write_domain, write_problem
+from bpns.symbolic.skills.environment import domain_of, problem_of, sample_tasks
 
 
 @click.command()

@@ -12,17 +12,16 @@ from pathlib import Path
 
 import click
 
-import envs
-from bpns import __version__
-from cli._options import MAX_SEED, check_unused, overwrite_option, progress_bar
-from learning import approaches
-from learning.approaches import Learning
-from learning.demonstrations import read_demonstrations, read_environment_name
-from learning.saved import check_model_output, entry_of, write_model
-from learning.saved_graphs import graph_entry
-from symbolic.describe import operator_text
-from symbolic.environment import domain_of
-from symbolic.pddl.write import model_names
+from bpns import __version__, envs
+from bpns.cli._options import MAX_SEED, check_unused, overwrite_option, progress_bar
+from bpns.learning import approaches
+from bpns.learning.approaches import Learning
+from bpns.learning.data.demonstrations import read_demonstrations, read_environment_name
+from bpns.learning.graphs.saved import graph_entry
+from bpns.learning.models.saved import check_model_output, entry_of, write_model
+from bpns.symbolic.compare.description import operator_text
+from bpns.symbolic.pddl.write import model_names
+from bpns.symbolic.skills.environment import domain_of
 
 
 @click.command()
@@ -76,8 +75,8 @@ def command(
     seed = data.seed if seed is None else seed
     check_model_output(out, overwrite)
     model_names(domain_of(world, ()))  # before minutes of training: will this be fit for PDDL?
-    from learning.graph_training import GraphTraining, device_of  # torch: slow to import
-    from learning.skills import SkillConfig
+    from bpns.learning.graphs.training import GraphTraining, device_of  # torch: slow to import
+    from bpns.learning.models.learn import SkillConfig
 
     device = str(device_of(device))
     gc.freeze()  # what was read stays: looking through it again and again takes seconds

@@ -8,26 +8,28 @@ import ast
 import os
 import sys
 import warnings
-from importlib import import_module
 from pathlib import Path
 
 import click
 
 from bpns import __version__
-from symbolic.errors import InputError, Unsupported
+from bpns.symbolic.errors import InputError, Unsupported
+from bpns.symbolic.plugins import PlugIns
 
 BAD_INPUT, UNSUPPORTED, CODE_ERROR = 36, 37, 70
 
 
+COMMANDS = PlugIns("command", "bpns.cli", "command")
+
+
 class _Commands(click.Group):
     def list_commands(self, _: click.Context) -> list[str]:
-        files = Path(__file__).parent.glob("[!_]*.py")
-        return sorted(file.stem for file in files if file.stem != "main")
+        return COMMANDS.names()
 
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
         if name not in self.list_commands(context):
             return None
-        command: click.Command = import_module(f"cli.{name}").command
+        command: click.Command = COMMANDS.load(name)
         return command
 
     def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:

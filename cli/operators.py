@@ -5,13 +5,13 @@ from pathlib import Path
 
 import click
 
-from cli._options import json_option, load_subject, oracle_option, overwrite_option
-from symbolic.describe import operator_markdown, operator_text, operators_json
-from symbolic.environment import domain_of
-from symbolic.files import check_output
-from symbolic.pddl.read import read_domain
-from symbolic.pddl.write import write_domain
-from symbolic.structs import Domain
+from bpns.cli._options import json_option, load_subject, oracle_option, overwrite_option
+from bpns.symbolic.compare.description import operator_markdown, operator_text, operators_json
+from bpns.symbolic.files import check_output
+from bpns.symbolic.pddl.read import read_domain
+from bpns.symbolic.pddl.write import write_domain
+from bpns.symbolic.skills.environment import domain_of
+from bpns.symbolic.structs import Domain
 
 
 @click.command()
@@ -65,8 +65,11 @@ def _domain(model: Path | None, oracle: str | None) -> Domain:
 
 
 def _draw(path: Path, domain: Domain, overwrite: bool) -> None:
-    from symbolic.draw_operators import draw_operators, picture_format  # slow, and matplotlib is optional
-    from symbolic.enabling import enabling_graph
+    from bpns.symbolic.compare.drawing import (  # slow, and matplotlib is optional
+        draw_operators,
+        picture_format,
+    )
+    from bpns.symbolic.compare.enabling import enabling_graph
 
     picture_format(path)
     check_output(path, overwrite)

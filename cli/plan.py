@@ -9,9 +9,9 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from cli._abstract_plans import MAX_NODES, plan_problem, read_any_domain
-from cli._comparison import planner_names, print_comparison
-from cli._options import (
+from bpns.cli._abstract_plans import MAX_NODES, plan_problem, read_any_domain
+from bpns.cli._comparison import planner_names, print_comparison
+from bpns.cli._options import (
     MAX_SEED,
     NO_PLAN,
     NOT_REFINED,
@@ -32,21 +32,21 @@ from cli._options import (
     strategy_option,
     timeout_option,
 )
-from cli._reactive import act
-from envs._animation import animation_format, write_animation
-from symbolic import planners
-from symbolic.bilevel import NoPlan, Plan, solve
-from symbolic.environment import abstract, domain_of, problem_of, sample_tasks
-from symbolic.execution import Execution, execute
-from symbolic.files import check_output
-from symbolic.grounding import GroundProblem, OutOfTime, Unreachable, ground
-from symbolic.pddl.read import read_problem
-from symbolic.pddl.write import model_names
-from symbolic.planners import Planner
-from symbolic.planners._loopless import loopless
-from symbolic.refinement import DeadEnd
-from symbolic.state import Task
-from symbolic.structs import Domain, GroundAtom, Problem, sort_atoms
+from bpns.cli._reactive import act
+from bpns.envs.animation import animation_format, write_animation
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.execution import Execution, execute
+from bpns.symbolic.bilevel.refinement import DeadEnd
+from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
+from bpns.symbolic.files import check_output
+from bpns.symbolic.grounding.ground import GroundProblem, OutOfTime, Unreachable, ground
+from bpns.symbolic.pddl.read import read_problem
+from bpns.symbolic.pddl.write import model_names
+from bpns.symbolic.planners.protocol import Planner
+from bpns.symbolic.planners.streams import loopless
+from bpns.symbolic.skills.environment import abstract, domain_of, problem_of, sample_tasks
+from bpns.symbolic.state import Task
+from bpns.symbolic.structs import Domain, GroundAtom, Problem, sort_atoms
 
 COMPARED_PLANS = 10
 EXIT_CODES = {"unreachable": NO_PLAN, "no plan": NO_PLAN, "planner failed": PLANNER_FAILED}

@@ -8,10 +8,10 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from cli._options import json_option
-from symbolic import planners
-from symbolic.heuristics import HEURISTICS
-from symbolic.planners import About
+from bpns.cli._options import json_option
+from bpns.symbolic import planners
+from bpns.symbolic.grounding.heuristics import HEURISTICS
+from bpns.symbolic.planners.protocol import About
 
 
 @click.command()

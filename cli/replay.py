@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-import envs
-from cli._options import json_option
-from symbolic.recording import read_recording, replay
+from bpns import envs
+from bpns.cli._options import json_option
+from bpns.symbolic.skills.recording import read_recording, replay
 
 
 @click.command()

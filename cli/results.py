@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from cli._options import json_option, overwrite_option
-from cli._summary import cells, new_table, print_table, summary_json
-from learning.results import open_results, read_all_results
-from learning.tables import Row, remarks, tables
-from symbolic.errors import InputError
-from symbolic.files import check_output
+from bpns.cli._options import json_option, overwrite_option
+from bpns.cli._summary import cells, new_table, print_table, summary_json
+from bpns.learning.experiments.results import open_results, read_all_results
+from bpns.learning.experiments.tables import Row, remarks, tables
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.files import check_output
 
 
 @click.command()
@@ -52,7 +52,10 @@ def command(
 
 
 def _plot(path: Path, found: dict[str, list[Row]], overwrite: bool) -> None:
-    from learning.draw_results import draw_results, picture_format  # slow, and matplotlib is optional
+    from bpns.learning.experiments.drawing import (  # slow, and matplotlib is optional
+        draw_results,
+        picture_format,
+    )
 
     picture_format(path)
     check_output(path, overwrite)

@@ -11,10 +11,10 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from cli._options import json_option
-from symbolic import checkers
-from symbolic.checkers import Inputs, Report, disagreements, outcome, read_inputs
-from symbolic.checking import check
+from bpns.cli._options import json_option
+from bpns.symbolic import checkers
+from bpns.symbolic.checkers.reports import Inputs, Report, disagreements, outcome, read_inputs
+from bpns.symbolic.checkers.running import check
 
 EXIT_CODES = {"valid": 0, "invalid": 1, "failed": 1, "unsupported": 37}
 SUMMARIES = {

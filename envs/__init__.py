@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from importlib import import_module
-from pathlib import Path
 from typing import cast
 
-from symbolic.environment import Environment
-from symbolic.errors import InputError
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.plugins import PlugIns
+from bpns.symbolic.skills.environment import Environment
+
+ENVIRONMENTS = PlugIns("environment", "bpns.envs", "ENVIRONMENT")
 
 
 def names() -> list[str]:
     """Return the names of the shipped environments, without importing them."""
-    files = Path(__file__).parent.glob("[!_]*.py")
-    return sorted(file.stem for file in files)
+    return ENVIRONMENTS.names()
 
 
 def load(name: str) -> Environment:
@@ -33,21 +33,12 @@ def load(name: str) -> Environment:
 def find(name: str) -> object:
     """Return what is called like that, whether or not it is an environment; see ``load``."""
     place, options = _parts(name)
-    if ":" not in place:
-        if place not in names():
-            have = ", ".join(names())
-            raise InputError(f"unknown environment '{place}' (have: {have}, or MODULE:ATTRIBUTE)")
-        found = import_module(f"envs.{place}").ENVIRONMENT
-    else:
-        module, _, attribute = place.partition(":")
+    found = ENVIRONMENTS.load(place)
+    if isinstance(found, type):
         try:
-            found = getattr(import_module(module), attribute)
-            found = found() if isinstance(found, type) else found
-        except Exception as error:  # whatever a stranger's module does at import
-            raise InputError(
-                f"cannot load environment '{place}': {type(error).__name__}: {error} "
-                "(modules are looked for in the current folder, in PYTHONPATH and among installed packages)"
-            ) from error
+            found = found()
+        except Exception as error:  # whatever a stranger's class does
+            raise InputError(f"cannot make environment '{place}': {type(error).__name__}: {error}") from error
     return with_options(found, options, place) if options else found
 
 

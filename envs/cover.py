@@ -8,13 +8,13 @@ from math import inf
 import numpy as np
 from PIL.Image import Image
 
-from envs._actions import checked
-from envs._draw import Canvas, Color
-from envs._shapes2d import Rectangle, rectangles_meet, segment_meets_rectangle
-from symbolic.environment import Budget, Classifier, Split
-from symbolic.skills import Controller, Skill
-from symbolic.state import Array, Features, State, Task
-from symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
+from bpns.envs.actions import checked
+from bpns.envs.canvas import Canvas, Color
+from bpns.envs.shapes2d import Rectangle, rectangles_meet, segment_meets_rectangle
+from bpns.symbolic.skills.environment import Budget, Classifier, Split
+from bpns.symbolic.skills.skill import Controller, Skill
+from bpns.symbolic.state import Array, Features, State, Task
+from bpns.symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
 
 BLOCK = Type("block", ("height", "width", "x", "y", "grasp"))  # x: center, y: top, grasp: -1 or 1
 TARGET = Type("target", ("width", "x"))

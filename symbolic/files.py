@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from symbolic.errors import InputError
+from bpns.symbolic.errors import InputError
 
 
 def check_output(path: Path, overwrite: bool = False, folder: bool = False) -> None:

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from symbolic.structs import GroundAtom, Object, Type, canonical_order
+from bpns.symbolic.structs import GroundAtom, Object, Type, canonical_order
 
 Array: TypeAlias = NDArray[np.floating]
 Features: TypeAlias = tuple[float, ...]

@@ -4,10 +4,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-import envs
-from learning.demonstrations import Demonstrations, collect
-from learning.skills import LearnedSkill, SkillConfig, learn_skills
-from learning.training import Training
+from bpns import envs
+from bpns.learning.data.demonstrations import Demonstrations, collect
+from bpns.learning.models.learn import LearnedSkill, SkillConfig, learn_skills
+from bpns.learning.networks.training import Training
 
 # No deadline, since machines differ; in CI the same examples each time, elsewhere new ones.
 settings.register_profile("bpns", deadline=None, derandomize="CI" in os.environ)

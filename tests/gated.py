@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from symbolic.state import Array, State
+from bpns.symbolic.state import Array, State
 from tests.toy import Toy
 
 

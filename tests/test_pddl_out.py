@@ -13,13 +13,13 @@ from unified_planning.environment import get_environment
 from unified_planning.io import PDDLReader
 from unified_planning.shortcuts import OneshotPlanner
 
-import envs
-from symbolic import planners
-from symbolic.environment import problem_of, sample_tasks
-from symbolic.grounding import GroundProblem, ground
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.pddl.write import write_domain, write_problem
-from symbolic.planners import Limit, SearchRecord
+from bpns import envs
+from bpns.symbolic import planners
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.pddl.write import write_domain, write_problem
+from bpns.symbolic.planners.protocol import Limit, SearchRecord
+from bpns.symbolic.skills.environment import problem_of, sample_tasks
 
 FOLDERS = sorted((Path(__file__).parents[1] / "pddl_out").iterdir())
 PROBLEMS = sorted(path for folder in FOLDERS for path in folder.glob("p*.pddl"))

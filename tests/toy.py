@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from PIL import Image
 
-from symbolic.environment import Budget, Classifier, EnvironmentFailure, Split
-from symbolic.skills import Controller, NoSampler, Skill
-from symbolic.state import Array, State, Task
-from symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
+from bpns.symbolic.skills.environment import Budget, Classifier, EnvironmentFailure, Split
+from bpns.symbolic.skills.skill import Controller, NoSampler, Skill
+from bpns.symbolic.state import Array, State, Task
+from bpns.symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
 
 HAND = Type("hand", ("key", "step"))
 DOOR = Type("door", ("open",))

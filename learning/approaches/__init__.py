@@ -2,18 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from learning.demonstrations import Demonstrations
-from learning.reactive import GraphModel
-from symbolic.environment import Environment
-from symbolic.errors import InputError
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.learning.graphs.reactive import GraphModel
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.plugins import PlugIns
+from bpns.symbolic.skills.environment import Environment
 
 if TYPE_CHECKING:  # torch is slow to import, and a list of approaches needs none
-    from learning.graph_training import GraphTraining
-    from learning.skills import LearnedSkill, SkillConfig
+    from bpns.learning.graphs.training import GraphTraining
+    from bpns.learning.models.learn import LearnedSkill, SkillConfig
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,16 +49,20 @@ class Approach:
     skills: bool = True  # whether it learns operators
 
 
+APPROACHES = PlugIns("approach", "bpns.learning.approaches", "APPROACH", dash="-")
+
+
 def names() -> list[str]:
     """Return the approaches' names, without importing them."""
-    return sorted(file.stem for file in Path(__file__).parent.glob("[!_]*.py"))
+    return APPROACHES.names()
 
 
 def load(name: str) -> Approach:
-    """Return an approach by name, with ``-`` for ``_`` too; raise InputError where there is none."""
-    module = name.replace("-", "_")
-    if module not in names():
-        have = ", ".join(one.replace("_", "-") for one in names())
-        raise InputError(f"unknown approach '{name}' (have: {have})")
-    found: Approach = import_module(f"learning.approaches.{module}").APPROACH
+    """Return an approach by name, with ``-`` for ``_`` too, or as ``module:attribute``.
+
+    Raises InputError where there is none.
+    """
+    found = APPROACHES.load(name)
+    if not isinstance(found, Approach):
+        raise InputError(f"'{name}' is no approach: give an Approach, as in bpns.learning.approaches")
     return found

@@ -1,13 +1,13 @@
 """A graph network from states to actions: behavioral cloning. Source: spec, baselines.md section 4."""
 
-from learning.approaches import Approach, Learned, Learning
-from learning.demonstrations import Demonstrations
-from symbolic.environment import Environment
+from bpns.learning.approaches import Approach, Learned, Learning
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.symbolic.skills.environment import Environment
 
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
     """Learn the network; there are no skills."""
-    from learning.approaches._graphs import cloning  # torch: slow to import
+    from bpns.learning.graphs.learning import cloning  # torch: slow to import
 
     return cloning(environment, data, how)
 

@@ -1,13 +1,13 @@
 """A graph network chooses the next skill, in place of a planner. Source: spec, baselines.md section 3."""
 
-from learning.approaches import Approach, Learned, Learning, bpns
-from learning.demonstrations import Demonstrations
-from symbolic.environment import Environment
+from bpns.learning.approaches import Approach, Learned, Learning, bpns
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.symbolic.skills.environment import Environment
 
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
     """Learn skills as BPNS does, then the network that chooses."""
-    from learning.approaches._graphs import metacontroller  # torch: slow to import
+    from bpns.learning.graphs.learning import metacontroller  # torch: slow to import
 
     return metacontroller(data, bpns.learn(environment, data, how), how)
 

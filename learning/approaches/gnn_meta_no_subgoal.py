@@ -1,13 +1,13 @@
 """GNN Meta with skills that have no subgoals. Source: spec, baselines.md section 3."""
 
-from learning.approaches import Approach, Learned, Learning, no_subgoal
-from learning.demonstrations import Demonstrations
-from symbolic.environment import Environment
+from bpns.learning.approaches import Approach, Learned, Learning, no_subgoal
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.symbolic.skills.environment import Environment
 
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
     """Learn skills without subgoals, then the network that chooses."""
-    from learning.approaches._graphs import metacontroller  # torch: slow to import
+    from bpns.learning.graphs.learning import metacontroller  # torch: slow to import
 
     return metacontroller(data, no_subgoal.learn(environment, data, how), how)
 

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from learning.approaches import Approach, Learned, Learning, bpns
-from learning.demonstrations import Demonstrations
-from symbolic.environment import Environment
+from bpns.learning.approaches import Approach, Learned, Learning, bpns
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.symbolic.skills.environment import Environment
 
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:

@@ -9,28 +9,35 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from learning.approaches import Approach, Learned, Learning
-from learning.demonstrations import Demonstration, Demonstrations
-from learning.operators import Member, OperatorData
-from learning.policies import PassThrough
-from learning.samplers import discriminator_examples
-from learning.segmentation import Segment
-from learning.tracking import Tracker
-from symbolic.environment import Environment
-from symbolic.errors import InputError
-from symbolic.skills import Label, Skill, never
-from symbolic.state import Trajectory
+from bpns.learning.approaches import Approach, Learned, Learning
+from bpns.learning.data.demonstrations import Demonstration, Demonstrations
+from bpns.learning.data.segmentation import Segment
+from bpns.learning.data.tracking import Tracker
+from bpns.learning.networks.policies import PassThrough
+from bpns.learning.networks.samplers import discriminator_examples
+from bpns.learning.operators.clustering import Member, OperatorData
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import Environment
+from bpns.symbolic.skills.skill import Label, Skill, never
+from bpns.symbolic.state import Trajectory
 
 if TYPE_CHECKING:  # torch is slow to import, and a list of approaches needs none
-    from learning.networks import Array32
-    from learning.skills import Job, SkillConfig
+    from bpns.learning.models.learn import Job, SkillConfig
+    from bpns.learning.networks.network import Array32
 
 ANY_ACTION = Label("any action", ())
 
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
     """Learn operators and samplers of actions; raises InputError where there is nothing to learn."""
-    from learning.skills import LearnedSkill, fits_of, frequent_operators, sampler_of, shared_out, train
+    from bpns.learning.models.learn import (
+        LearnedSkill,
+        fits_of,
+        frequent_operators,
+        sampler_of,
+        shared_out,
+        train,
+    )
 
     tracker = Tracker(environment)
     by_demonstration = [_segments(tracker, one) for one in data.demonstrations]
@@ -72,7 +79,7 @@ def _jobs(
     operators: Sequence[OperatorData], number: int, config: "SkillConfig", rng: np.random.Generator
 ) -> "list[Job]":
     """Return the networks of an operator's sampler; any other operator's actions may be negatives."""
-    from learning.skills import sampler_jobs
+    from bpns.learning.models.learn import sampler_jobs
 
     own = operators[number]
     others = [member for other in operators if other is not own for member in other.members]

@@ -6,12 +6,12 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed
 from typing import TypeVar
 
-from symbolic.checkers import Inputs, PlanSource, Verdict
-from symbolic.errors import PddlError, UnsupportedPddl
-from symbolic.pddl.plan_file import ground_steps
-from symbolic.pddl.read import MissingRequirement, PddlWarning, parse_domain, parse_problem
-from symbolic.structs import Domain, Problem
-from symbolic.validate import first_fault
+from bpns.symbolic.checkers.reports import Inputs, PlanSource, Verdict
+from bpns.symbolic.errors import PddlError, UnsupportedPddl
+from bpns.symbolic.pddl.plan_fault import first_fault
+from bpns.symbolic.pddl.plan_file import ground_steps
+from bpns.symbolic.pddl.read import MissingRequirement, PddlWarning, parse_domain, parse_problem
+from bpns.symbolic.structs import Domain, Problem
 
 Value = TypeVar("Value")
 

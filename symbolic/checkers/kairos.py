@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from symbolic.checkers import Inputs, PlanSource, Source, Verdict
-from symbolic.errors import MissingPackage
+from bpns.symbolic.checkers.reports import Inputs, PlanSource, Source, Verdict
+from bpns.symbolic.errors import MissingPackage
 
 if TYPE_CHECKING:
     import kairos

@@ -7,8 +7,8 @@ from importlib.metadata import version as installed
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from symbolic.checkers import Inputs, PlanSource, Source, Verdict
-from symbolic.errors import MissingPackage
+from bpns.symbolic.checkers.reports import Inputs, PlanSource, Source, Verdict
+from bpns.symbolic.errors import MissingPackage
 
 if TYPE_CHECKING:
     from unified_planning.model import Problem

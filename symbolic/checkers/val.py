@@ -10,8 +10,8 @@ from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
 
-from symbolic.checkers import Inputs, PlanSource, Verdict
-from symbolic.errors import MissingPackage
+from bpns.symbolic.checkers.reports import Inputs, PlanSource, Verdict
+from bpns.symbolic.errors import MissingPackage
 
 _OWN_NAME = "VAL: The PDDL+ plan validation tool"  # other programs are called 'validate' too
 _DOMAIN_FAULTS = ("Problem in domain definition!", "Type problem in domain description!")

@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from symbolic.pddl.lists import List, Node, shown
-from symbolic.pddl.scope import Scope, have
-from symbolic.pddl.vocabulary import NUMBER, UNSUPPORTED_FORMULAS
-from symbolic.structs import EQUAL, LiftedAtom, Object, Variable
+from bpns.symbolic.pddl.lists import List, Node, shown
+from bpns.symbolic.pddl.scope import Scope, have
+from bpns.symbolic.pddl.vocabulary import NUMBER, UNSUPPORTED_FORMULAS
+from bpns.symbolic.structs import EQUAL, LiftedAtom, Object, Variable
 
 
 @dataclass(frozen=True, slots=True)

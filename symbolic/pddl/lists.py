@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 from lark import Lark, Token, Transformer
 from lark.exceptions import UnexpectedToken
 
-from symbolic.errors import PddlError
+from bpns.symbolic.errors import PddlError
 
 
 class Word(NamedTuple):

@@ -1,12 +1,12 @@
 """From the lists of a PDDL problem to our Problem."""
 
-from symbolic.pddl.formulas import Formula, read_atom, read_formula
-from symbolic.pddl.lists import List, shown
-from symbolic.pddl.scope import Scope
-from symbolic.pddl.sections import read_requirements, read_sections
-from symbolic.pddl.typed import read_objects
-from symbolic.pddl.vocabulary import PROBLEM_SECTIONS, UNSUPPORTED_FORMULAS
-from symbolic.structs import EQUAL, Domain, GroundAtom, LiftedAtom, Problem
+from bpns.symbolic.pddl.formulas import Formula, read_atom, read_formula
+from bpns.symbolic.pddl.lists import List, shown
+from bpns.symbolic.pddl.scope import Scope
+from bpns.symbolic.pddl.sections import read_requirements, read_sections
+from bpns.symbolic.pddl.typed import read_objects
+from bpns.symbolic.pddl.vocabulary import PROBLEM_SECTIONS, UNSUPPORTED_FORMULAS
+from bpns.symbolic.structs import EQUAL, Domain, GroundAtom, LiftedAtom, Problem
 
 
 def build_problem(scope: Scope, tree: List, domain: Domain) -> Problem:

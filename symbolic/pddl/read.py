@@ -7,12 +7,12 @@ as PDDL demands; ``names`` gives their spelling in our model (``handempty`` -> `
 from collections.abc import Mapping
 from pathlib import Path
 
-from symbolic.files import read_text
-from symbolic.pddl.domains import build_domain
-from symbolic.pddl.lists import parse_lists
-from symbolic.pddl.problems import build_problem
-from symbolic.pddl.scope import MissingRequirement, PddlWarning, Scope
-from symbolic.structs import Domain, Problem
+from bpns.symbolic.files import read_text
+from bpns.symbolic.pddl.domains import build_domain
+from bpns.symbolic.pddl.lists import parse_lists
+from bpns.symbolic.pddl.problems import build_problem
+from bpns.symbolic.pddl.scope import MissingRequirement, PddlWarning, Scope
+from bpns.symbolic.structs import Domain, Problem
 
 __all__ = [
     "MissingRequirement",

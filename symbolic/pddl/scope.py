@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NoReturn
 
-from symbolic.errors import PddlError, UnsupportedPddl
-from symbolic.pddl.lists import List, Node, Word, pddl_error, shown
-from symbolic.pddl.vocabulary import NAME, TITLE
-from symbolic.structs import OBJECT, Object, Predicate, Type
+from bpns.symbolic.errors import PddlError, UnsupportedPddl
+from bpns.symbolic.pddl.lists import List, Node, Word, pddl_error, shown
+from bpns.symbolic.pddl.vocabulary import NAME, TITLE
+from bpns.symbolic.structs import OBJECT, Object, Predicate, Type
 
 _MOST_NAMES = 30  # in a message
 

@@ -1,8 +1,8 @@
 """The frame of a PDDL file: ``(define (domain NAME) (:section ...) ...)``."""
 
-from symbolic.pddl.lists import List, Node, Word, shown
-from symbolic.pddl.scope import Scope, have
-from symbolic.pddl.vocabulary import REQUIREMENTS, UNSUPPORTED_REQUIREMENTS, UNSUPPORTED_SECTIONS
+from bpns.symbolic.pddl.lists import List, Node, Word, shown
+from bpns.symbolic.pddl.scope import Scope, have
+from bpns.symbolic.pddl.vocabulary import REQUIREMENTS, UNSUPPORTED_REQUIREMENTS, UNSUPPORTED_SECTIONS
 
 _IGNORED = {":length": "how long plans may be is no part of the problem"}
 

@@ -1,9 +1,9 @@
 """Reading PDDL's typed lists, ``a b - t c``: types, objects and variables."""
 
-from symbolic.pddl.lists import List, Node, Word, shown
-from symbolic.pddl.scope import Scope, have
-from symbolic.pddl.vocabulary import NAME
-from symbolic.structs import OBJECT, Object, Type, Variable, either
+from bpns.symbolic.pddl.lists import List, Node, Word, shown
+from bpns.symbolic.pddl.scope import Scope, have
+from bpns.symbolic.pddl.vocabulary import NAME
+from bpns.symbolic.structs import OBJECT, Object, Type, Variable, either
 
 
 def typed_list(scope: Scope, items: tuple[Node, ...], what: str) -> list[tuple[Word, Node | None]]:

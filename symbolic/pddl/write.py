@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from itertools import groupby
 
-from symbolic.errors import InputError
-from symbolic.pddl.vocabulary import NAME, NO_PREDICATES
-from symbolic.structs import (
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.pddl.vocabulary import NAME, NO_PREDICATES
+from bpns.symbolic.structs import (
     EQUAL,
     OBJECT,
     Domain,

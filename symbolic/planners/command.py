@@ -16,13 +16,13 @@ from shutil import which
 
 import numpy as np
 
-from symbolic.errors import InputError
-from symbolic.grounding import GroundProblem
-from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._alternatives import one_by_one
-from symbolic.planners._foreign import PlannerFailed, Words
-from symbolic.planners._program import read_plans, running, task_folder
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.pddl.rewriting.portable import Rewritten
+from bpns.symbolic.planners.foreign.alternatives import one_by_one
+from bpns.symbolic.planners.foreign.exchange import PlannerFailed, Words
+from bpns.symbolic.planners.foreign.program import read_plans, running, task_folder
+from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit, SearchRecord
 
 PLAN_FILES = ("plan", "sas_plan", "problem.pddl.soln")  # the last: pyperplan's
 WRITTEN = (*PLAN_FILES, *(f"{name}.1" for name in PLAN_FILES))

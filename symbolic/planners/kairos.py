@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.errors import InputError
-from symbolic.grounding import GroundProblem
-from symbolic.pddl.plan_file import parse_plan
-from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._alternatives import one_by_one
-from symbolic.planners._foreign import DeadlinePassed, PlannerFailed, Words
-from symbolic.planners._program import PATIENCE
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.pddl.plan_file import parse_plan
+from bpns.symbolic.pddl.rewriting.portable import Rewritten
+from bpns.symbolic.planners.foreign.alternatives import one_by_one
+from bpns.symbolic.planners.foreign.exchange import DeadlinePassed, PlannerFailed, Words
+from bpns.symbolic.planners.foreign.program import PATIENCE
+from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit, SearchRecord
 
 ABOUT = (
     About(

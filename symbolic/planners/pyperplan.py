@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.compile import CompiledOperator, CompiledProblem, bits
-from symbolic.errors import InputError, MissingPackage
-from symbolic.grounding import GroundProblem
-from symbolic.heuristics import Heuristic
-from symbolic.pddl.write import write_domain, write_problem
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._apart import Apart
-from symbolic.planners._best_first import enumerate_plans
+from bpns.symbolic.errors import InputError, MissingPackage
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.grounding.heuristics import Heuristic
+from bpns.symbolic.grounding.masks import CompiledOperator, CompiledProblem, bits
+from bpns.symbolic.pddl.write import write_domain, write_problem
+from bpns.symbolic.planners.astar.best_first import enumerate_plans
+from bpns.symbolic.planners.foreign.apart import Apart
+from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit, SearchRecord
 
 
 class _Stopped(Exception):

@@ -9,11 +9,11 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
-from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, Limit
-from symbolic.planners._alternatives import TopK
-from symbolic.planners._foreign import Words
-from symbolic.planners._program import GAVE_UP, read_plans, running, task_folder
+from bpns.symbolic.pddl.rewriting.portable import Rewritten
+from bpns.symbolic.planners.foreign.alternatives import TopK
+from bpns.symbolic.planners.foreign.exchange import Words
+from bpns.symbolic.planners.foreign.program import GAVE_UP, read_plans, running, task_folder
+from bpns.symbolic.planners.protocol import About, Limit
 
 ABOUT = (
     About(

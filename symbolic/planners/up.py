@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from symbolic.errors import InputError
-from symbolic.grounding import GroundProblem
-from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._alternatives import more_and_more, one_by_one
-from symbolic.planners._apart import Apart
-from symbolic.planners._foreign import DeadlinePassed, PlannerFailed, Words
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.pddl.rewriting.portable import Rewritten
+from bpns.symbolic.planners.foreign.alternatives import more_and_more, one_by_one
+from bpns.symbolic.planners.foreign.apart import Apart
+from bpns.symbolic.planners.foreign.exchange import DeadlinePassed, PlannerFailed, Words
+from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit, SearchRecord
 
 
 def _engine(name: str, package: str, licence: str, **abilities: Any) -> About:
@@ -113,7 +113,7 @@ class UnifiedPlanning:
 def _built(task: Rewritten, engine: str) -> Any:
     from unified_planning.environment import get_environment
 
-    from symbolic.planners._up_problem import up_problem
+    from bpns.symbolic.planners.foreign.up_problem import up_problem
 
     environment = get_environment()
     environment.credits_stream = None

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-import envs
-from learning import approaches
-from learning.demonstrations import Demonstrations, write_demonstrations
-from learning.graph_training import GraphTraining
-from learning.skills import SkillConfig
-from learning.training import Training
+from bpns import envs
+from bpns.learning import approaches
+from bpns.learning.data.demonstrations import Demonstrations, write_demonstrations
+from bpns.learning.graphs.training import GraphTraining
+from bpns.learning.models.learn import SkillConfig
+from bpns.learning.networks.training import Training
 
 Run = Callable[..., tuple[int, str, str]]
 SHORT = Training(100)
@@ -21,7 +21,7 @@ SHORT = Training(100)
 def demos(demonstrations: Demonstrations, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A file of Cover's demonstrations; learning is short."""
     config = SkillConfig(policy=SHORT, generator=SHORT, discriminator=SHORT)
-    monkeypatch.setattr("learning.skills.SkillConfig", lambda: config)
+    monkeypatch.setattr("bpns.learning.models.learn.SkillConfig", lambda: config)
     monkeypatch.setattr(GraphTraining, "fast", classmethod(lambda cls: cls(epochs=5, check_every=5)))
     write_demonstrations(tmp_path / "demos.h5", demonstrations, envs.load("cover"))
     return tmp_path / "demos.h5"

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-import envs
-from learning.demonstrations import Demonstrations, write_demonstrations
-from learning.saved import entry_of, write_model
-from learning.skills import LearnedSkill
-from symbolic.state import Array, State
+from bpns import envs
+from bpns.learning.data.demonstrations import Demonstrations, write_demonstrations
+from bpns.learning.models.learn import LearnedSkill
+from bpns.learning.models.saved import entry_of, write_model
+from bpns.symbolic.state import Array, State
 from tests.toy import Toy
 
 Run = Callable[..., tuple[int, str, str]]
@@ -66,8 +66,8 @@ def model(learned: tuple[LearnedSkill, ...], tmp_path: Path) -> Path:
 def imported_by(*words: str) -> tuple[str, set[str]]:
     """Run the program in a new interpreter; return its output and the modules that it imported."""
     code = (
-        f"import sys, cli.main\nsys.argv = {['bpns', *words]!r}\n"
-        "try: cli.main.main()\nexcept SystemExit: pass\nprint('\\nMODULES', *sys.modules)"
+        f"import sys, bpns.cli.main\nsys.argv = {['bpns', *words]!r}\n"
+        "try: bpns.cli.main.main()\nexcept SystemExit: pass\nprint('\\nMODULES', *sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True)
     out, _, modules = done.stdout.rpartition("MODULES ")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from symbolic.pddl.read import parse_domain, read_domain
+from bpns.symbolic.pddl.read import parse_domain, read_domain
 
 Run = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]
@@ -64,7 +64,7 @@ def test_pictures_that_cannot_be_made(bpns: Run, tmp_path: Path, monkeypatch: py
         assert message in err
     assert (tmp_path / "mine.png").read_text() == "mine"
     assert bpns("operators", COVER, "--picture", tmp_path / "mine.png", "--overwrite")[0] == 0
-    monkeypatch.delitem(sys.modules, "symbolic.draw_operators")
+    monkeypatch.delitem(sys.modules, "bpns.symbolic.compare.drawing")
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     code, _, err = bpns("operators", COVER, "--picture", tmp_path / "b.png")
     assert (code, err) == (36, "error: pictures need matplotlib: pip install 'bpns[plots]'\n")
@@ -78,8 +78,8 @@ def test_one_output_at_a_time(bpns: Run) -> None:
 
 def test_text_does_not_wait_for_the_drawing_packages() -> None:
     code = (
-        f"import sys, cli.main\nsys.argv = ['bpns', 'operators', {str(COVER)!r}]\n"
-        "cli.main.program(standalone_mode=False)\n"
+        f"import sys, bpns.cli.main\nsys.argv = ['bpns', 'operators', {str(COVER)!r}]\n"
+        "bpns.cli.main.program(standalone_mode=False)\n"
         "assert not {'matplotlib', 'networkx', 'torch'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True)

@@ -61,7 +61,7 @@ def test_json_says_the_same(bpns: Run, tmp_path: Path) -> None:
 
 def test_plan_of_a_program_is_refined_and_others_follow(bpns: Run, tmp_path: Path) -> None:
     """The program here is bpns itself."""
-    command = f"{sys.executable} -c 'import bpns; bpns.main()' plan {{domain}} --problem {{problem}}"
+    command = f"{sys.executable} -c 'from bpns.cli.main import main; main()' plan {{domain}} --problem {{problem}}"
     own = script(
         tmp_path, f"exec {command.replace('{domain}', '$domain').replace('{problem}', '$problem')} > plan"
     )
@@ -88,7 +88,7 @@ def test_output_does_not_depend_on_the_hash_seed(planner: str) -> None:
             [
                 sys.executable,
                 "-c",
-                "import bpns; bpns.main()",
+                "from bpns.cli.main import main; main()",
                 *map(str, PROBLEM),
                 "--planner",
                 planner,

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from symbolic import planners
-from symbolic.grounding import GroundProblem, ground
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.planners import Limit
-from symbolic.planners._first_plans import first_plans
+from bpns.symbolic import planners
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.planners.protocol import Limit
+from bpns.symbolic.planners.streams import first_plans
 
 Run = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,7 @@ def test_what_is_missing_can_be_installed_by_one_line(bpns: Run, monkeypatch: py
             return "1"
         raise PackageNotFoundError(package)
 
-    monkeypatch.setattr("symbolic.planners.metadata.version", version)
+    monkeypatch.setattr("bpns.symbolic.planners.protocol.metadata.version", version)
     code, out, _ = bpns("planners")
     assert code == 0
     assert "missing: [kstar]" in out

@@ -15,12 +15,12 @@ from typing import Any
 import pytest
 from PIL import Image
 
-import envs
-from learning.evaluation import Result
-from learning.origin import Origin
-from learning.results import Run, add_result, open_results
-from learning.saved import entry_of, write_model
-from learning.skills import LearnedSkill
+from bpns import envs
+from bpns.learning.experiments.evaluation import Result
+from bpns.learning.experiments.results import Run, add_result, open_results
+from bpns.learning.models.learn import LearnedSkill
+from bpns.learning.models.origin import Origin
+from bpns.learning.models.saved import entry_of, write_model
 
 Program = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]

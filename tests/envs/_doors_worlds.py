@@ -4,17 +4,11 @@ from math import cos, pi, sin, sqrt, tanh
 
 import numpy as np
 
-from envs._doors_world import (
-    DOOR,
-    OBSTACLE,
-    ROBOT,
-    ROOM,
-    simulate,
-)
-from envs.doors import ENVIRONMENT
-from symbolic.environment import abstract
-from symbolic.state import State
-from symbolic.structs import Object, Predicate
+from bpns.envs.doors import ENVIRONMENT
+from bpns.envs.doors.world import DOOR, OBSTACLE, ROBOT, ROOM, simulate
+from bpns.symbolic.skills.environment import abstract
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import Object, Predicate
 
 ROBBY, BLOCK = Object("robby", ROBOT), Object("block", OBSTACLE)
 WEST, EAST, SOUTH = Object("room-0-0", ROOM), Object("room-0-1", ROOM), Object("room-1-0", ROOM)

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from envs._coffee_world import (
+from bpns.envs.coffee import ENVIRONMENT, Coffee
+from bpns.envs.coffee.world import (
     BUTTON,
     CUP,
     CUP_FILLED,
@@ -22,14 +23,13 @@ from envs._coffee_world import (
     ROBOT_ABOVE_CUP,
     simulate,
 )
-from envs.coffee import ENVIRONMENT, Coffee
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import EnvironmentFailure, Split, abstract, sample_tasks
-from symbolic.execution import execute
-from symbolic.skills import GroundSkill, Rollout
-from symbolic.state import State, Task
-from symbolic.structs import Object
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.skills.environment import EnvironmentFailure, Split, abstract, sample_tasks
+from bpns.symbolic.skills.rollout import GroundSkill, Rollout
+from bpns.symbolic.state import State, Task
+from bpns.symbolic.structs import Object
 from tests.envs._operators import assert_operator
 
 ROBBY, THE_POT, THE_PLATE = Object("robby", GRIPPER), Object("pot", POT), Object("plate", PLATE)

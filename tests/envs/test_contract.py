@@ -2,9 +2,9 @@
 
 import pytest
 
-import envs
-from symbolic.contract import check
-from symbolic.errors import InputError
+from bpns import envs
+from bpns.symbolic.environment_check import check
+from bpns.symbolic.errors import InputError
 from tests.toy import HAND
 
 

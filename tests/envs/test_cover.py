@@ -3,10 +3,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from envs.cover import BLOCK, COVERS, ENVIRONMENT, GRIPPER, HAND_EMPTY, IS_HOLDING, TARGET, Cover, simulate
-from symbolic.environment import abstract, sample_tasks
-from symbolic.state import State
-from symbolic.structs import Object
+from bpns.envs.cover import (
+    BLOCK,
+    COVERS,
+    ENVIRONMENT,
+    GRIPPER,
+    HAND_EMPTY,
+    IS_HOLDING,
+    TARGET,
+    Cover,
+    simulate,
+)
+from bpns.symbolic.skills.environment import abstract, sample_tasks
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import Object
 
 BLOCK0, BLOCK1 = Object("block0", BLOCK), Object("block1", BLOCK)
 ROBBY = Object("robby", GRIPPER)

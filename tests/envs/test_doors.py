@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from envs._doors_world import (
+from bpns.envs.doors import ENVIRONMENT
+from bpns.envs.doors.world import (
     DOOR,
     DOOR_IN_ROOM,
     DOOR_IS_OPEN,
@@ -18,9 +19,8 @@ from envs._doors_world import (
     opening_rotation,
     simulate,
 )
-from envs.doors import ENVIRONMENT
-from symbolic.environment import sample_tasks
-from symbolic.structs import Object
+from bpns.symbolic.skills.environment import sample_tasks
+from bpns.symbolic.structs import Object
 from tests.envs._doors_worlds import (
     AT_UPRIGHT,
     BLOCK,

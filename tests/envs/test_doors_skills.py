@@ -6,23 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from envs._doors_world import (
-    DOOR,
-    DOOR_IN_ROOM,
-    DOOR_IS_OPEN,
-    IN_DOORWAY,
-    IN_ROOM,
-    ROBOT,
-    TOUCHING_DOOR,
-)
-from envs.doors import ENVIRONMENT, MOVE_THROUGH_DOOR, MOVE_TO_DOOR, MoveToDoor, _motion
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import abstract, sample_tasks
-from symbolic.execution import execute
-from symbolic.skills import GivenSkill, GroundSkill, Label, Rollout, SkillFailure
-from symbolic.state import State
-from symbolic.structs import GroundAtom, Object
+from bpns.envs.doors import ENVIRONMENT, MOVE_THROUGH_DOOR, MOVE_TO_DOOR, MoveToDoor, _motion
+from bpns.envs.doors.world import DOOR, DOOR_IN_ROOM, DOOR_IS_OPEN, IN_DOORWAY, IN_ROOM, ROBOT, TOUCHING_DOOR
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.skills.environment import abstract, sample_tasks
+from bpns.symbolic.skills.rollout import GroundSkill, Rollout
+from bpns.symbolic.skills.skill import GivenSkill, Label, SkillFailure
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import GroundAtom, Object
 from tests.envs._doors_worlds import (
     AT_UPRIGHT,
     BLOCK,

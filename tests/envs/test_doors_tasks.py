@@ -10,18 +10,15 @@ import pytest
 import shapely
 from shapely import affinity
 
-import envs
-import envs._doors_tasks
-from envs._doors_world import (
-    DOOR_IN_ROOM,
-    IN_ROOM,
-)
-from envs._shapes2d import Rectangle, segments_cross
-from envs.doors import ENVIRONMENT
-from symbolic.environment import abstract, sample_tasks
-from symbolic.errors import InputError
-from symbolic.state import Task
-from symbolic.structs import Object
+from bpns import envs
+from bpns.envs.doors import ENVIRONMENT
+from bpns.envs.doors import tasks as doors_tasks
+from bpns.envs.doors.world import DOOR_IN_ROOM, IN_ROOM
+from bpns.envs.shapes2d import Rectangle, segments_cross
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import abstract, sample_tasks
+from bpns.symbolic.state import Task
+from bpns.symbolic.structs import Object
 from tests.envs._doors_worlds import (
     ROBBY,
     true,
@@ -68,7 +65,7 @@ def meet_by_edges(one: Rectangle, two: Rectangle) -> bool:
 def test_tasks_are_those_recorded_once_obstacles_may_lie_within_others(
     recording: Any, split: Any, count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(envs._doors_tasks, "rectangles_meet", meet_by_edges)
+    monkeypatch.setattr(doors_tasks, "rectangles_meet", meet_by_edges)
     tasks = sample_tasks(ENVIRONMENT, split, count, 0)
     for task, recorded in zip(tasks, recording[f"{split}_tasks"], strict=False):
         check_recorded(task, recorded)

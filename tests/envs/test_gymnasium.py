@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-import envs
+from bpns import envs
 from bpns.gymnasium import TaskEnvironment
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import Split, sample_tasks
-from symbolic.errors import InputError
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import Split, sample_tasks
 from tests.toy import Toy
 
 ROOT = Path(__file__).parents[2]

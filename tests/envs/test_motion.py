@@ -6,8 +6,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from envs._motion import Free, line, plan_motion
-from envs._shapes2d import Circle, Point
+from bpns.envs.doors.motion import Free, line, plan_motion
+from bpns.envs.shapes2d import Circle, Point
 
 STEP = 0.1
 ROUNDING = 1e-9
@@ -111,7 +111,7 @@ def test_the_path_depends_on_the_seed_alone() -> None:
 
 def test_shortcuts_make_paths_shorter(monkeypatch: pytest.MonkeyPatch) -> None:
     smooth = [plan(wall(gap=True), seed=seed) or [] for seed in range(10)]
-    monkeypatch.setattr("envs._motion.SMOOTHING_TRIES", 0)
+    monkeypatch.setattr("bpns.envs.doors.motion.SMOOTHING_TRIES", 0)
     rough = [plan(wall(gap=True), seed=seed) or [] for seed in range(10)]
     totals = [(sum(lengths(a)) or inf, sum(lengths(b))) for a, b in zip(smooth, rough, strict=True)]
     assert all(a <= b + ROUNDING for a, b in totals)

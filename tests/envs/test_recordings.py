@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-import envs
-from symbolic.environment import sample_tasks
-from symbolic.recording import read_recording, replay
+from bpns import envs
+from bpns.symbolic.skills.environment import sample_tasks
+from bpns.symbolic.skills.recording import read_recording, replay
 
 
 def recording(shared: Path, name: str) -> Any:

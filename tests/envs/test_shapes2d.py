@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from shapely import affinity
 
-from envs._shapes2d import (
+from bpns.envs.shapes2d import (
     Circle,
     Rectangle,
     circles_meet,

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import envs
-from envs._stick_button_world import (
+from bpns import envs
+from bpns.envs.stick_button import ENVIRONMENT
+from bpns.envs.stick_button.world import (
     ABOVE_NO_BUTTON,
     BUTTON,
     GRASPED,
@@ -21,15 +22,14 @@ from envs._stick_button_world import (
     STICK_ABOVE_BUTTON,
     simulate,
 )
-from envs.stick_button import ENVIRONMENT
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import EnvironmentFailure, abstract, sample_tasks
-from symbolic.errors import InputError
-from symbolic.execution import execute
-from symbolic.skills import Failed, GroundSkill, Rollout
-from symbolic.state import State
-from symbolic.structs import Object, Predicate
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import EnvironmentFailure, abstract, sample_tasks
+from bpns.symbolic.skills.rollout import Failed, GroundSkill, Rollout
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import Object, Predicate
 from tests.envs._operators import assert_operator
 
 ROBBY, THE_STICK, THE_HOLDER = Object("robby", GRIPPER), Object("stick", STICK), Object("holder", HOLDER)

@@ -7,24 +7,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import envs
-from learning import approaches
-from learning.approaches import Learned, Learning
-from learning.demonstrations import Demonstrations
-from learning.evaluation import Solver, evaluate, summarize
-from learning.graph_training import GraphTraining
-from learning.policies import LearnedPolicy, PassThrough
-from learning.reactive import GraphModel, choose, react
-from learning.samplers import LearnedSampler
-from learning.saved import SavedModel, entry_of, read_model, write_model
-from learning.saved_graphs import graph_entry
-from learning.skills import SkillConfig
-from learning.training import Training
-from symbolic import planners
-from symbolic.environment import abstract, sample_tasks
-from symbolic.errors import InputError
-from symbolic.exhaustive import exhaustive
-from symbolic.skills import Skill
+from bpns import envs
+from bpns.learning import approaches
+from bpns.learning.approaches import Learned, Learning
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.learning.experiments.evaluation import Solver, evaluate, summarize
+from bpns.learning.graphs.reactive import GraphModel, choose, react
+from bpns.learning.graphs.saved import graph_entry
+from bpns.learning.graphs.training import GraphTraining
+from bpns.learning.models.learn import SkillConfig
+from bpns.learning.models.saved import SavedModel, entry_of, read_model, write_model
+from bpns.learning.networks.policies import LearnedPolicy, PassThrough
+from bpns.learning.networks.samplers import LearnedSampler
+from bpns.learning.networks.training import Training
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import abstract, sample_tasks
+from bpns.symbolic.skills.skill import Skill
 
 COVER = envs.load("cover")
 SHORT = Training(300)

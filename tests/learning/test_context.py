@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from envs.stick_button import ENVIRONMENT as STICK_BUTTON
-from learning.demonstrations import collect
-from learning.operators import OperatorData, learn_operators
-from learning.policies import changing_features, policy_examples
-from learning.segmentation import Segment, segment
-from symbolic.state import State, Trajectory
-from symbolic.structs import GroundAtom, Object, Predicate, Type
+from bpns.envs.stick_button import ENVIRONMENT as STICK_BUTTON
+from bpns.learning.data.demonstrations import collect
+from bpns.learning.data.segmentation import Segment, segment
+from bpns.learning.networks.policies import changing_features, policy_examples
+from bpns.learning.operators.clustering import OperatorData, learn_operators
+from bpns.symbolic.state import State, Trajectory
+from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type
 
 HAND, TOOL, NAIL = Type("hand", ("x",)), Type("tool", ("x",)), Type("nail", ("x",))
 LEFT, RIGHT = Object("left", HAND), Object("right", HAND)

@@ -4,10 +4,15 @@ import h5py
 import numpy as np
 import pytest
 
-import envs
-from learning.demonstrations import Demonstrations, collect, read_demonstrations, write_demonstrations
-from symbolic.environment import abstract, sample_tasks
-from symbolic.errors import InputError
+from bpns import envs
+from bpns.learning.data.demonstrations import (
+    Demonstrations,
+    collect,
+    read_demonstrations,
+    write_demonstrations,
+)
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import abstract, sample_tasks
 from tests.toy import Toy
 
 COVER = envs.load("cover")

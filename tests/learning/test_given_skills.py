@@ -10,23 +10,29 @@ from typing import Any
 import h5py
 import pytest
 
-import envs
-from envs._doors_world import DOOR_IS_OPEN, IN_ROOM, TOUCHING_DOOR
-from envs.doors import OpenPolicy, OpenSampler
-from learning.demonstrations import Demonstrations, collect, read_demonstrations, write_demonstrations
-from learning.operators import OperatorData, learn_operators
-from learning.policies import LearnedPolicy
-from learning.saved import entry_of, read_model, write_model
-from learning.segmentation import Segment, segment
-from learning.skills import LearnedSkill, learn_skills
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import abstract, holds, sample_tasks
-from symbolic.errors import InputError
-from symbolic.execution import execute
-from symbolic.skills import GivenPolicy, GroundSkill, Label, NoSampler
-from symbolic.state import State, Trajectory
-from symbolic.structs import Object, Predicate, Type
+from bpns import envs
+from bpns.envs.doors import OpenPolicy, OpenSampler
+from bpns.envs.doors.world import DOOR_IS_OPEN, IN_ROOM, TOUCHING_DOOR
+from bpns.learning.data.demonstrations import (
+    Demonstrations,
+    collect,
+    read_demonstrations,
+    write_demonstrations,
+)
+from bpns.learning.data.segmentation import Segment, segment
+from bpns.learning.models.learn import LearnedSkill, learn_skills
+from bpns.learning.models.saved import entry_of, read_model, write_model
+from bpns.learning.networks.policies import LearnedPolicy
+from bpns.learning.operators.clustering import OperatorData, learn_operators
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import abstract, holds, sample_tasks
+from bpns.symbolic.skills.rollout import GroundSkill
+from bpns.symbolic.skills.skill import GivenPolicy, Label, NoSampler
+from bpns.symbolic.state import State, Trajectory
+from bpns.symbolic.structs import Object, Predicate, Type
 from tests.conftest import FEW
 
 DOORS = envs.load("doors")

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from torch.nn.functional import cross_entropy
 
-from learning import graph_training
-from learning.graph_network import GraphNetwork, shapes
-from learning.graph_training import (
+from bpns.learning.graphs import training as graph_training
+from bpns.learning.graphs.graph import Batch, Graph, Schema
+from bpns.learning.graphs.network import GraphNetwork, shapes
+from bpns.learning.graphs.training import (
     GraphExample,
     GraphLoss,
     GraphTraining,
@@ -21,10 +22,9 @@ from learning.graph_training import (
     fit_graph_network,
     pointer_loss,
 )
-from learning.graphs import Batch, Graph, Schema
-from symbolic.errors import InputError
-from symbolic.state import State
-from symbolic.structs import Object, Predicate, Type
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import Object, Predicate, Type
 
 CUP = Type("cup", ("x", "full"))
 HAND = Type("hand", ("x", "grip"))

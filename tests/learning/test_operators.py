@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from learning.operators import learn_operators
-from learning.segmentation import Segment, segment
-from symbolic.state import State, Trajectory
-from symbolic.structs import GroundAtom, Object, Predicate, Type
+from bpns.learning.data.segmentation import Segment, segment
+from bpns.learning.operators.clustering import learn_operators
+from bpns.symbolic.state import State, Trajectory
+from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type
 from tests.toy import DOOR_0, HAND_0, HAS_KEY, IS_OPEN, Toy
 
 BLOCK, HAND = Type("block", ("x",)), Type("hand", ("x",))

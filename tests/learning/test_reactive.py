@@ -6,17 +6,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from learning.approaches import Learned, Learning, _graphs
-from learning.demonstrations import collect
-from learning.graph_training import GraphExample, GraphFitted, GraphTraining, choice_loss, fit_graph_network
-from learning.graphs import Graph, Schema
-from learning.reactive import GraphModel, choose, react
-from learning.skills import SkillConfig, learn_skills
-from learning.training import Training
-from symbolic.environment import abstract, holds, sample_tasks
-from symbolic.skills import NoSampler, Skill
-from symbolic.state import Array, State
-from symbolic.structs import Object, Operator, Type, Variable
+from bpns.learning.approaches import Learned, Learning
+from bpns.learning.data.demonstrations import collect
+from bpns.learning.graphs import learning as _graphs
+from bpns.learning.graphs.graph import Graph, Schema
+from bpns.learning.graphs.reactive import GraphModel, choose, react
+from bpns.learning.graphs.training import (
+    GraphExample,
+    GraphFitted,
+    GraphTraining,
+    choice_loss,
+    fit_graph_network,
+)
+from bpns.learning.models.learn import SkillConfig, learn_skills
+from bpns.learning.networks.training import Training
+from bpns.symbolic.skills.environment import abstract, holds, sample_tasks
+from bpns.symbolic.skills.skill import NoSampler, Skill
+from bpns.symbolic.state import Array, State
+from bpns.symbolic.structs import Object, Operator, Type, Variable
 from tests.toy import DOOR, DOOR_0, HAND, HAND_0, SKILLS, Repeat, Toy
 
 SCHEMA = Schema.of([HAND, DOOR], set())

@@ -8,16 +8,23 @@ from pathlib import Path
 
 import pytest
 
-import envs
-from learning.evaluation import Result, Solver, evaluate, summarize
-from learning.origin import ORACLE, Origin, read_origin
-from learning.results import KEY, Run, add_result, open_results, read_all_results, read_results
-from learning.saved import entry_of, write_model
-from learning.skills import LearnedSkill
-from learning.tables import RunName, remarks, tables
-from symbolic import planners
-from symbolic.errors import InputError
-from symbolic.refinement import DeadEnd
+from bpns import envs
+from bpns.learning.experiments.evaluation import Result, Solver, evaluate, summarize
+from bpns.learning.experiments.results import (
+    KEY,
+    Run,
+    add_result,
+    open_results,
+    read_all_results,
+    read_results,
+)
+from bpns.learning.experiments.tables import RunName, remarks, tables
+from bpns.learning.models.learn import LearnedSkill
+from bpns.learning.models.origin import ORACLE, Origin, read_origin
+from bpns.learning.models.saved import entry_of, write_model
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.refinement import DeadEnd
+from bpns.symbolic.errors import InputError
 
 RUN = Run(
     "cover", ORACLE, "default", "adaptive", "astar:lmcut", None, None, None, 20_000, 500_000, None, "0.1.0"

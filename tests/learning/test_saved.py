@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import envs
-from learning.saved import entry_of, read_model, write_model
-from learning.skills import LearnedSkill
-from symbolic.environment import sample_tasks
-from symbolic.errors import InputError, PddlError
-from symbolic.skills import GroundSkill
+from bpns import envs
+from bpns.learning.models.learn import LearnedSkill
+from bpns.learning.models.saved import entry_of, read_model, write_model
+from bpns.symbolic.errors import InputError, PddlError
+from bpns.symbolic.skills.environment import sample_tasks
+from bpns.symbolic.skills.rollout import GroundSkill
 
 COVER = envs.load("cover")
 

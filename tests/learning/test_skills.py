@@ -6,21 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import envs
-from learning.demonstrations import Demonstrations, collect
-from learning.evaluation import Solver, evaluate, summarize
-from learning.operators import learn_operators
-from learning.policies import LearnedPolicy, changing_features, policy_examples
-from learning.samplers import LearnedSampler, discriminator_examples, generator_examples
-from learning.saved import entry_of, read_model, write_model
-from learning.segmentation import segment
-from learning.skills import LearnedSkill, SkillConfig, learn_skills, shared_out
-from learning.training import Training
-from symbolic import planners
-from symbolic.bilevel import Plan, solve
-from symbolic.environment import Budget, sample_tasks
-from symbolic.errors import InputError
-from symbolic.exhaustive import exhaustive
+from bpns import envs
+from bpns.learning.data.demonstrations import Demonstrations, collect
+from bpns.learning.data.segmentation import segment
+from bpns.learning.experiments.evaluation import Solver, evaluate, summarize
+from bpns.learning.models.learn import LearnedSkill, SkillConfig, learn_skills, shared_out
+from bpns.learning.models.saved import entry_of, read_model, write_model
+from bpns.learning.networks.policies import LearnedPolicy, changing_features, policy_examples
+from bpns.learning.networks.samplers import LearnedSampler, discriminator_examples, generator_examples
+from bpns.learning.networks.training import Training
+from bpns.learning.operators.clustering import learn_operators
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.bilevel.solve import Plan, solve
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import Budget, sample_tasks
 from tests.toy import Toy
 
 FEW = SkillConfig(policy=Training(200), generator=Training(2000), discriminator=Training(200))

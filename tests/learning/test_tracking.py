@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-import envs
-from learning.demonstrations import collect
-from learning.tracking import Tracker
-from symbolic.environment import Classifier, abstract
-from symbolic.state import State
-from symbolic.structs import Object, Predicate
+from bpns import envs
+from bpns.learning.data.demonstrations import collect
+from bpns.learning.data.tracking import Tracker
+from bpns.symbolic.skills.environment import Classifier, abstract
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import Object, Predicate
 
 
 @pytest.mark.parametrize("name", ["cover", "doors", "stick_button", "coffee"])

@@ -7,8 +7,8 @@ import pytest
 import torch
 from torch import Tensor
 
-from learning.networks import Folded, Network, Scaling, mean_of
-from learning.training import (
+from bpns.learning.networks.network import Folded, Network, Scaling, mean_of
+from bpns.learning.networks.training import (
     Loss,
     Training,
     _batches,

@@ -6,9 +6,9 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from symbolic.grounding import GroundProblem
-from symbolic.pddl.read import parse_domain, parse_problem
-from symbolic.planners import Limit
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.pddl.read import parse_domain, parse_problem
+from bpns.symbolic.planners.protocol import Limit
 from tests.symbolic._planning import grounded
 
 WALK = parse_domain("""

@@ -9,10 +9,10 @@ from random import Random
 from time import monotonic, process_time
 from traceback import format_exc
 
-from symbolic.errors import InputError, PddlError
-from symbolic.grounding import ground
-from symbolic.pddl.read import parse_domain, parse_problem
-from symbolic.structs import Domain, Problem
+from bpns.symbolic.errors import InputError, PddlError
+from bpns.symbolic.grounding.ground import ground
+from bpns.symbolic.pddl.read import parse_domain, parse_problem
+from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._texts import read_back
 
 Words = list[str]

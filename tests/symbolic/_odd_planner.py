@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symbolic.grounding import GroundProblem
-from symbolic.planners import About, AbstractPlan, Limit, SearchRecord
-from symbolic.planners._apart import Apart
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.planners.foreign.apart import Apart
+from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit, SearchRecord
 
 FIRST, SECOND = [("a", "b"), ("b", "c")], [("a", "d"), ("d", "c")]
 

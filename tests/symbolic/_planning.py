@@ -7,11 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from symbolic.errors import MissingPackage
-from symbolic.grounding import GroundProblem, ground
-from symbolic.planners import AbstractPlan, Limit, Planner, SearchRecord, load
-from symbolic.structs import Domain, Problem
-from symbolic.validate import first_fault
+from bpns.symbolic.errors import MissingPackage
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.pddl.plan_fault import first_fault
+from bpns.symbolic.planners.protocol import AbstractPlan, Limit, Planner, SearchRecord
+from bpns.symbolic.planners.registry import load
+from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._problems import (
     PlanKey,
 )

@@ -11,9 +11,9 @@ from typing import TypeAlias, TypeVar
 import pytest
 from hypothesis import strategies as st
 
-from symbolic.compile import CompiledProblem
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.structs import (
+from bpns.symbolic.grounding.masks import CompiledProblem
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.structs import (
     OBJECT,
     Domain,
     GroundAtom,
@@ -300,5 +300,5 @@ def plans_by_length(
 def steps_as_time() -> Iterator[None]:
     """Let time pass by one whenever a planner looks at its clock: deadlines that do not depend on speed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("symbolic.planners.monotonic", count(1).__next__)
+        patch.setattr("bpns.symbolic.planners.protocol.monotonic", count(1).__next__)
         yield

@@ -7,9 +7,9 @@ from random import Random
 
 from hypothesis import strategies as st
 
-from symbolic.pddl.portable import Rewritten
-from symbolic.pddl.positive import reachable_operators
-from symbolic.structs import (
+from bpns.symbolic.pddl.rewriting.portable import Rewritten
+from bpns.symbolic.pddl.rewriting.positive import reachable_operators
+from bpns.symbolic.structs import (
     EQUAL,
     Domain,
     GroundOperator,

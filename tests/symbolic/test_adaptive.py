@@ -9,22 +9,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-import envs
-from symbolic import planners
-from symbolic.adaptive import Adaptive, adaptive
-from symbolic.bilevel import NoPlan, Plan, solve
-from symbolic.environment import Budget, Environment, sample_tasks
-from symbolic.execution import execute
-from symbolic.exhaustive import exhaustive
-from symbolic.feedback import Sharing
-from symbolic.grounding import GroundProblem
-from symbolic.planners import AbstractPlan, CostPlanner, Limit, Planner, SearchRecord
-from symbolic.planners._loopless import loopless
-from symbolic.refinement import RefinedStep, carry_out
-from symbolic.search import Strategy
-from symbolic.skills import Controller, GroundSkill, NoSampler
-from symbolic.state import Array, State, Task
-from symbolic.structs import GroundOperator, Object
+from bpns import envs
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.adaptive import Adaptive, adaptive
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.bilevel.feedback import Sharing
+from bpns.symbolic.bilevel.refinement import RefinedStep, carry_out
+from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
+from bpns.symbolic.bilevel.strategy import Strategy
+from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner, Limit, Planner, SearchRecord
+from bpns.symbolic.planners.streams import loopless
+from bpns.symbolic.skills.environment import Budget, Environment, sample_tasks
+from bpns.symbolic.skills.rollout import GroundSkill
+from bpns.symbolic.skills.skill import Controller, NoSampler
+from bpns.symbolic.state import Array, State, Task
+from bpns.symbolic.structs import GroundOperator, Object
 from tests.toy import SKILLS, Toy
 
 ANY = Budget(10**6, 10)
@@ -120,7 +121,7 @@ def test_nothing_is_simulated_twice(monkeypatch: pytest.MonkeyPatch) -> None:
         seen[id(state), skill.operator, subgoal.tobytes()] += 1
         return carry_out(world, skill, state, actions, subgoal, expected)
 
-    monkeypatch.setattr("symbolic.adaptive.carry_out", watched)
+    monkeypatch.setattr("bpns.symbolic.bilevel.adaptive.carry_out", watched)
     outcome = run(environment, sample_tasks(environment, "test", 1, 50_100)[0], 1)
     assert outcome.effort.abstract_plans > 1
     assert set(seen.values()) == {1}

@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from symbolic import planners
-from symbolic.errors import InputError, MissingPackage, Unsupported
-from symbolic.grounding import GroundProblem, Unreachable, ground
-from symbolic.pddl.read import read_domain, read_problem
-from symbolic.planners import About, AbstractPlan, Limit
+from bpns.symbolic import planners
+from bpns.symbolic.errors import InputError, MissingPackage, Unsupported
+from bpns.symbolic.grounding.ground import GroundProblem, Unreachable, ground
+from bpns.symbolic.pddl.read import read_domain, read_problem
+from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit
 from tests.symbolic._planning import check_plan, grounded, key, plans
 from tests.symbolic._problems import (
     COVER,
@@ -224,7 +224,7 @@ def test_a_missing_package_names_the_extra(about: About, monkeypatch: pytest.Mon
             raise metadata.PackageNotFoundError(package)
         return real(package)
 
-    monkeypatch.setattr("symbolic.planners.metadata.version", version)
+    monkeypatch.setattr("bpns.symbolic.planners.protocol.metadata.version", version)
     assert about.version is None
     with pytest.raises(MissingPackage) as caught:
         planners.load(about.name)
@@ -259,7 +259,7 @@ def test_an_extra_installs_what_its_planner_needs(about: About) -> None:
 # ----------------------------------------------------------------------------------------- strangers
 
 STRANGER = """
-from symbolic.planners.astar import AStar
+from bpns.symbolic.planners.astar import AStar
 
 def create(heuristic="hff"):
     return AStar(heuristic)
@@ -278,12 +278,12 @@ def test_a_planner_from_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     for name, message in (
         (
             "my_planner:missing",
-            r"^unknown planner 'my_planner:missing': AttributeError: .*missing.*have: astar",
+            r"^cannot load planner 'my_planner:missing': AttributeError: .*missing.*have: astar",
         ),
         ("my_planner:broken:1", r"^planner 'my_planner:broken:1' has too many or too few options"),
         ("my_faulty_planner:create", r"ModuleNotFoundError: No module named 'no_such_module_anywhere'"),
-        ("no_such_planner:create", r"^unknown planner 'no_such_planner:create': ModuleNotFoundError"),
-        ("my_planner", r"^unknown planner 'my_planner' \(have: .*or MODULE:FUNCTION\)$"),
+        ("no_such_planner:create", r"^cannot load planner 'no_such_planner:create': ModuleNotFoundError"),
+        ("my_planner", r"^unknown planner 'my_planner' \(have: .*or MODULE:ATTRIBUTE\)$"),
     ):
         with pytest.raises(InputError, match=message):
             planners.load(name)

@@ -10,13 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic import checkers
-from symbolic.checkers import Inputs, PlanSource, Report, Source, Verdict, disagreements, outcome
-from symbolic.checking import check
-from symbolic.errors import MissingPackage
-from symbolic.pddl.plan_file import parse_plan
-from symbolic.pddl.write import write_domain, write_problem
-from symbolic.structs import Domain, GroundOperator, Problem
+from bpns.symbolic import checkers
+from bpns.symbolic.checkers import reports
+from bpns.symbolic.checkers.reports import Inputs, PlanSource, Report, Source, Verdict, disagreements, outcome
+from bpns.symbolic.checkers.running import check
+from bpns.symbolic.errors import MissingPackage
+from bpns.symbolic.pddl.plan_file import parse_plan
+from bpns.symbolic.pddl.write import write_domain, write_problem
+from bpns.symbolic.structs import Domain, GroundOperator, Problem
 from tests.symbolic._problems import all_ground_operators, distances, searchable_task
 
 # Measured: what each of the others does not see. Together they see everything.
@@ -31,7 +32,7 @@ def levels(checker: str, inputs: Inputs) -> list[str]:
     """Return a checker's levels, in this process; an exception is one that failed."""
     found = []
     try:
-        for verdict in import_module(f"symbolic.checkers.{checker}").verdicts(inputs):
+        for verdict in import_module(f"bpns.symbolic.checkers.{checker}").verdicts(inputs):
             found.append(verdict.level)
             assert verdict.level == "ok" or verdict.text
             assert "\n" not in verdict.text
@@ -42,7 +43,7 @@ def levels(checker: str, inputs: Inputs) -> list[str]:
 
 
 def case(folder: Path) -> Inputs:
-    return checkers.read_inputs(folder / "domain.pddl", folder / "problem.pddl")
+    return reports.read_inputs(folder / "domain.pddl", folder / "problem.pddl")
 
 
 CHECKERS = ["bpns", "kairos", pytest.param("unified_planning", marks=pytest.mark.slow)]
@@ -70,7 +71,7 @@ def test_ours_finds_no_fault_in_valid_cases(shared: Path) -> None:
 
 
 def test_a_domain_alone_is_checked(shared: Path) -> None:
-    domain = checkers.read_inputs(shared / "pddl-cases" / "i07-dup-action" / "domain.pddl")
+    domain = reports.read_inputs(shared / "pddl-cases" / "i07-dup-action" / "domain.pddl")
     assert domain.items == ("domain",)
     assert {tuple(levels(checker, domain)) for checker in ("bpns", "kairos")} == {("fault",)}
 
@@ -177,14 +178,14 @@ def test_disagreements_name_both_sides() -> None:
 def install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, body: str) -> None:
     """Make a checker called 'stranger', for this process and those that it starts."""
     (tmp_path / "stranger.py").write_text(
-        "import os, sys, time\nfrom symbolic.checkers import Verdict\n"
-        "from symbolic.errors import MissingPackage\n"
+        "import os, sys, time\nfrom bpns.symbolic.checkers.reports import Verdict\n"
+        "from bpns.symbolic.errors import MissingPackage\n"
         f"def version(): return '7'\ndef verdicts(inputs):\n    {body}\n"
     )
     site = tmp_path / "start"
     site.mkdir()
     (site / "sitecustomize.py").write_text(
-        f"import symbolic.checkers as c\nc.__path__.append({str(tmp_path)!r})\n"
+        f"import bpns.symbolic.checkers as c\nc.__path__.append({str(tmp_path)!r})\n"
     )
     root = Path(__file__).parents[2]
     monkeypatch.setenv("PYTHONPATH", f"{site}:{root}")
@@ -264,7 +265,7 @@ def val(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.usefixtures("val")
 def test_val_is_understood() -> None:
-    from symbolic.checkers.val import verdicts
+    from bpns.symbolic.checkers.val import verdicts
 
     plans = {"(pick)": "ok", "(place)": "fault", "": "fault", "(crash)": "failed"}
     named = tuple(PlanSource(f"plan {n}", tuple(parse_plan(text))) for n, text in enumerate(plans))
@@ -284,10 +285,10 @@ def test_val_is_understood() -> None:
 def test_a_program_that_is_only_called_validate_is_not_val(
     val: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from symbolic.checkers.val import version
+    from bpns.symbolic.checkers.val import version
 
     assert version() == "4"
     val.write_text("#!/bin/sh\necho usage: validate XML\n")
-    monkeypatch.setattr("symbolic.checkers.val.find_spec", lambda _: None)
+    monkeypatch.setattr("bpns.symbolic.checkers.val.find_spec", lambda _: None)
     with pytest.raises(MissingPackage, match="PATH"):
         version()

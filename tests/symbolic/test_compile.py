@@ -2,9 +2,9 @@
 
 from hypothesis import given, settings
 
-from symbolic.compile import applicable_operators, bits, compile_problem
-from symbolic.grounding import GroundProblem, Unreachable, ground
-from symbolic.structs import Domain, Problem
+from bpns.symbolic.grounding.ground import GroundProblem, Unreachable, ground
+from bpns.symbolic.grounding.masks import applicable_operators, bits, compile_problem
+from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._problems import COVER, Graph, cover_problem, encode, searchable_tasks, switches
 
 

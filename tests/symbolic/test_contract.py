@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from symbolic.contract import Finding, attributes, check
-from symbolic.environment import Budget, Environment, EnvironmentFailure, Split
-from symbolic.skills import Controller, GivenPolicy, GivenSkill, NoSampler
-from symbolic.state import Array, State, Task
-from symbolic.structs import GroundAtom, Object, Predicate, Type
+from bpns.symbolic.environment_check import Finding, attributes, check
+from bpns.symbolic.skills.environment import Budget, Environment, EnvironmentFailure, Split
+from bpns.symbolic.skills.skill import Controller, GivenPolicy, GivenSkill, NoSampler
+from bpns.symbolic.state import Array, State, Task
+from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type
 from tests.toy import DOOR, DOOR_0, HAND, HAND_0, HAS_KEY, IS_OPEN, SEARCH, SKILLS, UNLOCK, Toy
 
 TOY = Toy()

@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic.costs import Costs
-from symbolic.grounding import Unreachable, ground
-from symbolic.planners import Limit, SearchRecord, _best_first
-from symbolic.planners.astar import AStar
-from symbolic.structs import Domain, GroundOperator, Problem
+from bpns.symbolic.grounding.ground import Unreachable, ground
+from bpns.symbolic.planners.astar import AStar
+from bpns.symbolic.planners.astar import best_first as _best_first
+from bpns.symbolic.planners.costs import Costs
+from bpns.symbolic.planners.protocol import Limit, SearchRecord
+from bpns.symbolic.structs import Domain, GroundOperator, Problem
 from tests.symbolic._planning import AMPLE, check_plan, grounded, key
 from tests.symbolic._problems import (
     COVER,

@@ -1,5 +1,5 @@
-from symbolic.describe import operator_markdown, operator_text, operators_json
-from symbolic.pddl.read import parse_domain
+from bpns.symbolic.compare.description import operator_markdown, operator_text, operators_json
+from bpns.symbolic.pddl.read import parse_domain
 from tests.symbolic._texts import DOMAIN
 
 PICK, FILL = parse_domain(DOMAIN).operators

@@ -9,11 +9,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic.difference import OperatorPair, compare
-from symbolic.difference_text import difference_json, difference_text
-from symbolic.matching import PARTS, correspondence, facts_of, fingerprint, renamed, renaming
-from symbolic.pddl.read import parse_domain
-from symbolic.structs import EQUAL, OBJECT, Domain, LiftedAtom, Object, Operator, Predicate, Type, Variable
+from bpns.symbolic.compare.difference import OperatorPair, compare
+from bpns.symbolic.compare.difference_text import difference_json, difference_text
+from bpns.symbolic.compare.matching import PARTS, correspondence, facts_of, fingerprint, renamed, renaming
+from bpns.symbolic.pddl.read import parse_domain
+from bpns.symbolic.structs import (
+    EQUAL,
+    OBJECT,
+    Domain,
+    LiftedAtom,
+    Object,
+    Operator,
+    Predicate,
+    Type,
+    Variable,
+)
 from tests.symbolic._texts import DOMAIN, replaced
 
 ITEM, ROBOT = Type("item"), Type("robot")

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbolic.enabling import enabling_graph, unify
-from symbolic.graph_layout import Array, Size, circular_order, lay_out
-from symbolic.pddl.read import read_domain
-from symbolic.structs import OBJECT, LiftedAtom, Object, Predicate, Type, Variable, either
+from bpns.symbolic.compare.enabling import enabling_graph, unify
+from bpns.symbolic.compare.layout import Array, Size, circular_order, lay_out
+from bpns.symbolic.pddl.read import read_domain
+from bpns.symbolic.structs import OBJECT, LiftedAtom, Object, Predicate, Type, Variable, either
 
 ITEM, ROBOT = Type("item"), Type("robot")
 CUP, JUG = Type("cup", parent=ITEM), Type("jug", parent=ITEM)

@@ -3,9 +3,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbolic.costs import Costs
-from symbolic.feedback import Feedback, Sharing
-from symbolic.structs import GroundOperator
+from bpns.symbolic.bilevel.feedback import Feedback, Sharing
+from bpns.symbolic.planners.costs import Costs
+from bpns.symbolic.structs import GroundOperator
 from tests.symbolic._planning import grounded
 from tests.symbolic._problems import COVER, cover_problem
 

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symbolic.errors import InputError
-from symbolic.pddl.portable import Rewritten
-from symbolic.planners import About, Limit, SearchRecord, load
-from symbolic.planners._alternatives import more_and_more
-from symbolic.planners._foreign import Words
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.pddl.rewriting.portable import Rewritten
+from bpns.symbolic.planners.foreign.alternatives import more_and_more
+from bpns.symbolic.planners.foreign.exchange import Words
+from bpns.symbolic.planners.protocol import About, Limit, SearchRecord
+from bpns.symbolic.planners.registry import load
 from tests.symbolic._foreign import GOOD, MARK, OTHER, alive, gone, script, seconds, walk, zombies
 from tests.symbolic._planning import check_plan, key, plans
 
@@ -398,12 +399,12 @@ def test_program_with_a_missing_interpreter(tmp_path: Path) -> None:
 
 
 def test_program_without_end_and_without_deadline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symbolic.planners._program.PATIENCE", 0.2)
+    monkeypatch.setattr("bpns.symbolic.planners.foreign.program.PATIENCE", 0.2)
     stream, record = plans(walk(), script(tmp_path, "sleep MARK"), Limit(1000))
     assert list(stream) == []
     assert record.fault == "planner.sh gave no plan within 0 s (--timeout changes that)"
     assert gone(MARK, 2)
-    monkeypatch.setattr("symbolic.planners._alternatives.PATIENCE", 0.2)
+    monkeypatch.setattr("bpns.symbolic.planners.foreign.alternatives.PATIENCE", 0.2)
     text = f"i=0; while true; do printf '{GOOD}' > plan.$((i += 1)); done"
     stream, record = plans(walk(), script(tmp_path, text), Limit(1000))
     assert [key(plan) for plan in stream] == [FIRST]

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic.grounding import GroundProblem, OutOfTime, Unreachable, ground
-from symbolic.structs import Domain, GroundAtom, Object, Operator, Predicate, Problem, Type, Variable
+from bpns.symbolic.grounding.ground import GroundProblem, OutOfTime, Unreachable, ground
+from bpns.symbolic.structs import Domain, GroundAtom, Object, Operator, Predicate, Problem, Type, Variable
 from tests.symbolic._problems import (
     COVER,
     Graph,
@@ -73,7 +73,7 @@ def test_grounding_equals_the_filtered_cross_product_on_solvable_tasks(
     check_against_cross_product(*task[:2])
 
 
-@pytest.mark.filterwarnings("ignore::symbolic.pddl.read.PddlWarning")  # miconic forgot :typing
+@pytest.mark.filterwarnings("ignore::bpns.symbolic.pddl.read.PddlWarning")  # miconic forgot :typing
 @pytest.mark.parametrize("folder", CROSS_PRODUCTS_OF_THOUSANDS.split())
 def test_grounding_equals_the_filtered_cross_product_on_competition_tasks(shared: Path, folder: str) -> None:
     domain, problem = competition_task(shared, folder, 1)

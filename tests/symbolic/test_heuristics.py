@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic.compile import CompiledProblem, compile_problem
-from symbolic.grounding import GroundProblem, ground
-from symbolic.heuristics import HEURISTICS, LmCut, hadd, hff
-from symbolic.structs import Domain, GroundAtom, GroundOperator, Problem
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.grounding.heuristics import HEURISTICS, LmCut, hadd, hff
+from bpns.symbolic.grounding.masks import CompiledProblem, compile_problem
+from bpns.symbolic.structs import Domain, GroundAtom, GroundOperator, Problem
 from tests.symbolic._problems import (
     COVER,
     AbstractState,

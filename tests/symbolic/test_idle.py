@@ -5,16 +5,15 @@ from time import monotonic
 
 import numpy as np
 
-from symbolic import planners
-from symbolic.bilevel import NoPlan, Plan, solve
-from symbolic.environment import domain_of, problem_of, sample_tasks
-from symbolic.exhaustive import exhaustive
-from symbolic.grounding import GroundProblem, ground
-from symbolic.planners import Limit, SearchRecord
-from symbolic.planners._idle import WithIdleSteps
-from symbolic.planners._loopless import loopless
-from symbolic.skills import NoSampler, Skill
-from symbolic.structs import Operator
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.planners.protocol import Limit, SearchRecord
+from bpns.symbolic.planners.streams import WithIdleSteps, loopless
+from bpns.symbolic.skills.environment import domain_of, problem_of, sample_tasks
+from bpns.symbolic.skills.skill import NoSampler, Skill
+from bpns.symbolic.structs import Operator
 from tests.toy import DOOR, HAND, IS_OPEN, SKILLS, Repeat, Toy, Variable
 
 HERE = Variable("?hand", HAND)

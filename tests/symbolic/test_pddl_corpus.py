@@ -7,13 +7,13 @@ from random import Random
 import numpy as np
 import pytest
 
-from symbolic import planners
-from symbolic.errors import PddlError, UnsupportedPddl
-from symbolic.grounding import GroundProblem, ground
-from symbolic.pddl.read import PddlWarning, parse_domain, parse_problem, read_domain
-from symbolic.pddl.write import write_domain, write_problem
-from symbolic.planners import Limit, SearchRecord
-from symbolic.structs import EQUAL, Domain, GroundOperator, Object, Operator, Problem, Type
+from bpns.symbolic import planners
+from bpns.symbolic.errors import PddlError, UnsupportedPddl
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.pddl.read import PddlWarning, parse_domain, parse_problem, read_domain
+from bpns.symbolic.pddl.write import write_domain, write_problem
+from bpns.symbolic.planners.protocol import Limit, SearchRecord
+from bpns.symbolic.structs import EQUAL, Domain, GroundOperator, Object, Operator, Problem, Type
 from tests.symbolic._problems import competition_task
 from tests.symbolic._texts import DOMAIN, marked, read_back, read_case, replaced
 

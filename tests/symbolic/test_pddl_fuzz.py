@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from symbolic.pddl.read import parse_domain
+from bpns.symbolic.pddl.read import parse_domain
 from tests.symbolic._mutations import Files, corpus, judge, mutate, mutated
 from tests.symbolic._texts import DOMAIN, PROBLEM
 

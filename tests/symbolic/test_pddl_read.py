@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symbolic.errors import InputError, PddlError, UnsupportedPddl
-from symbolic.pddl.read import PddlWarning, parse_domain, parse_problem, read_domain, read_problem
-from symbolic.structs import Object, Predicate, Type, Variable
+from bpns.symbolic.errors import InputError, PddlError, UnsupportedPddl
+from bpns.symbolic.pddl.read import PddlWarning, parse_domain, parse_problem, read_domain, read_problem
+from bpns.symbolic.structs import Object, Predicate, Type, Variable
 from tests.symbolic._problems import competition_files
 from tests.symbolic._texts import DOMAIN, PROBLEM, marked, read_back, read_case, replaced
 
@@ -69,7 +69,7 @@ COMPETITION = (
 )
 
 
-@pytest.mark.filterwarnings("ignore::symbolic.pddl.read.PddlWarning")  # miconic forgot :typing
+@pytest.mark.filterwarnings("ignore::bpns.symbolic.pddl.read.PddlWarning")  # miconic forgot :typing
 @pytest.mark.parametrize("folder", COMPETITION.split())
 def test_competition_tasks_are_read_and_written_back(shared: Path, folder: str) -> None:
     for number in (1, 2, 3):
@@ -299,7 +299,7 @@ def check_place(error: InputError, text: str) -> None:
     assert 1 <= error.column <= len(text.split("\n")[error.line - 1]) + 1
 
 
-@pytest.mark.filterwarnings("ignore::symbolic.pddl.read.PddlWarning")
+@pytest.mark.filterwarnings("ignore::bpns.symbolic.pddl.read.PddlWarning")
 @settings(deadline=None, max_examples=250)
 @given(damaged(DOMAIN))
 def test_damaged_domain_is_read_or_refused(text: str) -> None:

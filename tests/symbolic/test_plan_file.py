@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbolic.errors import PddlError
-from symbolic.pddl.plan_file import Step, ground_steps, parse_plan, parse_plans
+from bpns.symbolic.errors import PddlError
+from bpns.symbolic.pddl.plan_file import Step, ground_steps, parse_plan, parse_plans
 from tests.symbolic._problems import COVER, all_ground_operators, cover_problem
 
 PLAN = [("pick", "block0", "robby"), ("place", "block0", "target0", "robby")]
@@ -113,7 +113,7 @@ def test_names_in_a_message_are_not_a_flood() -> None:
 
 
 def test_domain_with_mixed_case(shared: Path) -> None:
-    from symbolic.pddl.read import parse_domain, parse_problem
+    from bpns.symbolic.pddl.read import parse_domain, parse_problem
 
     folder = shared / "pddl-cases" / "v06-mixed-case-mismatch"
     domain = parse_domain((folder / "domain.pddl").read_text())

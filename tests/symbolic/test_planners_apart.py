@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symbolic.planners import Limit, SearchRecord
-from symbolic.planners._apart import Apart
-from symbolic.structs import Object
+from bpns.symbolic.planners.foreign.apart import Apart
+from bpns.symbolic.planners.protocol import Limit, SearchRecord
+from bpns.symbolic.structs import Object
 from tests.symbolic._foreign import MARK, gone, seconds, walk, zombies
 from tests.symbolic._odd_planner import create
 from tests.symbolic._planning import key
@@ -172,7 +172,7 @@ import sys, numpy as np
 from itertools import islice
 from tests.symbolic._foreign import seconds, walk
 from tests.symbolic._odd_planner import create
-from symbolic.planners import SearchRecord
+from bpns.symbolic.planners.protocol import SearchRecord
 planner = create("prints")
 stream = planner.plans(walk(), np.random.default_rng(0), seconds(60), record := SearchRecord())
 print(next(stream), *record.remarks)

@@ -14,7 +14,8 @@ ROOT = Path(__file__).parents[2]
 CALLER = """
 import sys
 import numpy as np
-from symbolic.planners import SearchRecord, load
+from bpns.symbolic.planners import load
+from bpns.symbolic.planners.protocol import SearchRecord
 from tests.symbolic._foreign import seconds, walk
 record = SearchRecord()
 stream = load(sys.argv[1]).plans(walk(), np.random.default_rng(0), seconds(60), record)

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symbolic.environment import abstract, sample_tasks
-from symbolic.errors import InputError
-from symbolic.recording import read_recording, replay
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.skills.environment import abstract, sample_tasks
+from bpns.symbolic.skills.recording import read_recording, replay
 from tests.toy import Toy
 
 

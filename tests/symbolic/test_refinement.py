@@ -9,18 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symbolic import bilevel, planners
-from symbolic.bilevel import NoPlan, Plan, solve
-from symbolic.environment import Budget, problem_of, sample_tasks
-from symbolic.execution import execute
-from symbolic.exhaustive import exhaustive
-from symbolic.grounding import GroundProblem, ground
-from symbolic.planners import AbstractPlan, Limit
-from symbolic.refinement import DeadEnd, RefinementRecord, Refiner
-from symbolic.search import Search
-from symbolic.skills import GroundSkill
-from symbolic.state import State
-from symbolic.structs import GroundAtom
+from bpns.symbolic import planners
+from bpns.symbolic.bilevel import solve as bilevel
+from bpns.symbolic.bilevel.execution import execute
+from bpns.symbolic.bilevel.exhaustive import exhaustive
+from bpns.symbolic.bilevel.refinement import DeadEnd, RefinementRecord, Refiner
+from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
+from bpns.symbolic.bilevel.strategy import Search
+from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.planners.protocol import AbstractPlan, Limit
+from bpns.symbolic.skills.environment import Budget, problem_of, sample_tasks
+from bpns.symbolic.skills.rollout import GroundSkill
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import GroundAtom
 from tests.toy import DOOR_0, HAND_0, HAS_KEY, IS_OPEN, SEARCH, SKILLS, UNLOCK, Toy
 
 TASK = sample_tasks(Toy(), "train", 1, 0)[0]
@@ -161,7 +162,7 @@ def test_expected_atoms_come_from_the_operators() -> None:
 
 
 def ground_toy() -> GroundProblem:
-    from symbolic.environment import domain_of
+    from bpns.symbolic.skills.environment import domain_of
 
     found = ground(domain_of(Toy(), (SEARCH, UNLOCK)), problem_of(Toy(), TASK))
     assert isinstance(found, GroundProblem)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symbolic.compile import compile_problem
-from symbolic.grounding import Unreachable, ground
-from symbolic.planners import _space
-from symbolic.planners._space import explore
-from symbolic.structs import Domain, Problem
+from bpns.symbolic.grounding.ground import Unreachable, ground
+from bpns.symbolic.grounding.masks import compile_problem
+from bpns.symbolic.planners.astar import space as _space
+from bpns.symbolic.planners.astar.space import explore
+from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._planning import grounded
 from tests.symbolic._problems import COVER, Graph, cover_problem, searchable_tasks
 

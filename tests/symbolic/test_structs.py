@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from symbolic.structs import (
+from bpns.symbolic.structs import (
     OBJECT,
     Object,
     Operator,

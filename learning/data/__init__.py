@@ -1,0 +1,1 @@
+"""Demonstrations, and cutting them into segments."""

@@ -1,0 +1,1 @@
+"""Evaluations, results in files, and the tables and figures made of them."""

@@ -1,0 +1,1 @@
+"""The paper's graph-network approaches: they act without a planner."""

@@ -1,0 +1,1 @@
+"""Models: learned, saved and loaded."""

@@ -1,0 +1,1 @@
+"""Neural networks of skills: policies, samplers, and how both are trained."""

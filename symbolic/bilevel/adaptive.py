@@ -1,0 +1,294 @@
+"""Our strategy: try the most promising abstract plan a little, learn from what fails, and choose again.
+
+Chances are estimated as refinements succeed and fail (``feedback``), and are the costs by which the planner
+chooses its next plan. A plan that failed waits until it is the most promising again, and then it may fail
+more often than before: no plan is ever given up. What was reached is kept in a tree, so that plans that begin
+alike share it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bpns.symbolic.bilevel.feedback import Feedback, Sharing
+from bpns.symbolic.bilevel.refinement import DeadEnd, RefinedStep, carry_out
+from bpns.symbolic.bilevel.strategy import Refined, Search
+from bpns.symbolic.planners.costs import Costs, Prefix
+from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner
+from bpns.symbolic.skills.rollout import GroundSkill
+from bpns.symbolic.state import State
+from bpns.symbolic.structs import GroundOperator
+
+PROPOSALS = 20  # that are known already, after which a sampler is taken to have no others
+MOST_IN_VAIN = 1000  # plans in a row of which nothing is left to sample, after which there is no hope
+FRESH_TURNS = 4  # first visits for each return, where the planner takes no costs
+# Which step is tried anew when one fails: relative weights. One whose effects the failed step needs is the
+# likeliest to blame; any other may be, so that none is left out for ever.
+PROVIDES, SHARES_OBJECTS, ITSELF, ANY = 4.0, 1.0, 1.0, 0.1
+
+
+@dataclass(slots=True, eq=False)
+class _Reached:
+    """A state to which the first steps of some plans led, and what came of the steps tried from it."""
+
+    state: State
+    actions: int  # taken before it
+    before: "_Reached | None"
+    step: RefinedStep | None  # that led here
+    failures: int = 0  # here and at the states reached from here
+    next: dict[GroundOperator, "_Outcomes"] = field(default_factory=dict)
+
+    def path(self) -> list["_Reached"]:
+        """Return the states on the way here, the first one first."""
+        found, now = [self], self.before
+        while now is not None:
+            found.append(now)
+            now = now.before
+        return found[::-1]
+
+
+@dataclass(slots=True, eq=False)
+class _Outcomes:
+    """What came of one ground operator from one state."""
+
+    reached: list[_Reached] = field(default_factory=list)
+    failures: int = 0
+    subgoals: set[bytes] = field(default_factory=set)
+    repeats: bool = False  # whether there is nothing new to propose, or no more may be
+
+
+@dataclass(slots=True, eq=False)
+class _Candidate:
+    """An abstract plan and how often it was tried."""
+
+    plan: AbstractPlan
+    number: int  # from 1, in the order in which plans came
+    skills: Sequence[GroundSkill]
+    visits: int = 0
+    spent: bool = False  # whether nothing is left to sample
+
+    def sampled(self, step: int) -> bool:
+        """Say whether another try of a step can end otherwise."""
+        return self.skills[step].skill.sampler.dimension > 0
+
+    def few_tries(self, state: _Reached, step: int, tries: int) -> bool:
+        """Say whether a step was tried less often than that from a state, and never with success."""
+        outcomes = state.next.get(self.plan.steps[step])
+        if outcomes is None:
+            return True
+        return not outcomes.reached and outcomes.failures < (tries if self.sampled(step) else 1)
+
+    def can_try(self, state: _Reached, step: int) -> bool:
+        """Say whether one more try of a step from a state may tell something new."""
+        outcomes = state.next.get(self.plan.steps[step])
+        return outcomes is None or (self.sampled(step) and not outcomes.repeats)
+
+    def weight(self, earlier: int, step: int) -> float:
+        """Say how likely a step fails because of how an earlier one, or itself, was done."""
+        if earlier == step:
+            return ITSELF
+        operator, before = self.plan.steps[step], self.plan.steps[earlier]
+        later = self.plan.steps[earlier + 1 : step]
+        rests = operator.preconditions & before.add_effects
+        if any(all(atom not in one.add_effects for one in later) for atom in rests):
+            return PROVIDES
+        return SHARES_OBJECTS if set(before.objects) & set(operator.objects) else ANY
+
+
+@dataclass(frozen=True, slots=True)
+class Adaptive:
+    """Refines the abstract plans by turns, as their chances change.
+
+    A planner that takes no costs gives its plans in its own order, and is waited for. Only samples, nodes and
+    time of the budget count. ``benchmarks/strategies.py`` compares settings.
+    """
+
+    sharing: Sharing = field(default_factory=Sharing)
+    tries: int = 2  # of a step from one state, before something that came before it is tried anew
+    failures: int = 10  # in a plan's first visit; as many more each time it comes back
+    return_cost: float = 1.0  # for every visit that a plan had, against others that are as promising
+    plans: int | None = None  # at most so many abstract plans
+    samples: int | None = None  # at most so many of an operator from one state
+
+    def __call__(self, search: Search) -> Refined | None:
+        """Return a plan and its refinement; see Strategy."""
+        return _Visits(self, search).run()
+
+
+adaptive = Adaptive()
+
+
+class _Visits:
+    """One task's candidates, what was reached, and what was learned."""
+
+    def __init__(self, settings: Adaptive, search: Search) -> None:
+        self.settings = settings
+        self.search = search
+        self.rng = np.random.default_rng(search.seed)
+        self.costs = Costs()
+        self.feedback = Feedback(search.problem.operators, self.costs, settings.sharing)
+        self.by_cost = isinstance(search.planner, CostPlanner)
+        self.returned = 0  # visits of plans that had come back
+        self.root = _Reached(search.task.init, 0, None, None)
+
+    def run(self) -> Refined | None:
+        """Visit candidates until one is refined or nothing is left."""
+        search = self.search
+        stream = self._stream()
+        waiting: list[_Candidate] = []
+        fresh: AbstractPlan | None = None
+        in_vain = 0
+        while not search.over and in_vain < MOST_IN_VAIN:
+            more = self.settings.plans is None or search.tried < self.settings.plans
+            if fresh is None and stream is not None and more and (self._turn or not waiting):
+                fresh = next(stream, None)
+                if fresh is None:
+                    stream = None
+            search.watch.charge("search")
+            candidate = min(waiting, key=self._cost, default=None)
+            if fresh is not None and (candidate is None or self._fresh_first(fresh, candidate)):
+                search.tried += 1
+                candidate = _Candidate(fresh, search.tried, search.ground_skills(fresh))
+                waiting.append(candidate)
+                fresh = None
+            elif candidate is not None:
+                self.returned += 1
+            if candidate is None:
+                break
+            before = search.refining.samples
+            steps = self._visit(candidate)
+            in_vain = in_vain + 1 if search.refining.samples == before else 0
+            search.watch.charge("refinement")
+            if steps is not None:
+                return candidate.plan, steps
+            if candidate.spent:
+                waiting.remove(candidate)
+        return None
+
+    @property
+    def _turn(self) -> bool:
+        """Whether it is a fresh plan's turn: always, where the planner takes costs and gives the cheapest."""
+        return self.by_cost or self.search.tried <= FRESH_TURNS * self.returned
+
+    def _fresh_first(self, fresh: AbstractPlan, candidate: _Candidate) -> bool:
+        """Say whether a fresh plan comes before one that waits: the cheaper one, where plans come by cost."""
+        return not self.by_cost or self.costs.of_plan(fresh.steps) <= self._cost(candidate)
+
+    def _stream(self) -> Iterator[AbstractPlan] | None:
+        search = self.search
+        rng = np.random.default_rng(search.seed)
+        if isinstance(search.planner, CostPlanner):
+            return search.planner.plans_at(search.problem, rng, search.limit, search.record, self.costs)
+        return search.planner.plans(search.problem, rng, search.limit, search.record)
+
+    def _cost(self, candidate: _Candidate) -> float:
+        """Return what a candidate costs now, a little more after each visit."""
+        return self.costs.of_plan(candidate.plan.steps) + self.settings.return_cost * candidate.visits
+
+    def _visit(self, candidate: _Candidate) -> tuple[RefinedStep, ...] | None:
+        """Try a candidate until it is refined or failed too often for this visit."""
+        candidate.visits += 1
+        allowed = self.settings.failures * candidate.visits
+        failures = here = 0  # in this visit, and of this step from this state
+        tried: dict[Prefix, None] = {}
+        if not candidate.skills:
+            return ()
+        now, step = self._start(candidate)
+        while failures < allowed and not self.search.over:
+            known = not candidate.can_try(now, step)
+            if known:  # it failed before, and so it does for this plan
+                self.feedback.count(candidate.plan.steps[: step + 1], success=False)
+                tried[candidate.plan.steps[: step + 1]] = None
+            if known or here >= self.settings.tries:
+                back = self._back(candidate, now, step)
+                if back is None:
+                    candidate.spent = True
+                    self._close(candidate)
+                    break
+                now, step = back
+                here = 0
+            tried[candidate.plan.steps[: step + 1]] = None
+            found = self._attempt(candidate, now, step)
+            if found is None:
+                failures += 1
+                here += 1
+                continue
+            now, step, here = found, step + 1, 0
+            if step == len(candidate.plan.steps):
+                return tuple(one.step for one in now.path() if one.step is not None)
+        self.feedback.update(tried)
+        return None
+
+    def _start(self, candidate: _Candidate) -> tuple[_Reached, int]:
+        """Return the deepest state at which the next step was not tried enough, or else the deepest."""
+        level, step = [self.root], 0
+        deepest, fresh = (self.root, 0), (self.root, 0)
+        while True:
+            untried = [one for one in level if candidate.few_tries(one, step, self.settings.tries)]
+            deepest = min(level, key=_failures), step
+            if untried:
+                fresh = min(untried, key=_failures), step
+            if step + 1 == len(candidate.skills):
+                break
+            operator = candidate.plan.steps[step]
+            level = [r for one in level if operator in one.next for r in one.next[operator].reached]
+            if not level:
+                break
+            step += 1
+        return fresh if candidate.few_tries(*fresh, self.settings.tries) else deepest
+
+    def _back(self, candidate: _Candidate, now: _Reached, step: int) -> tuple[_Reached, int] | None:
+        """Choose a step to be tried anew, likely one on which this one rests; None where none can be."""
+        path = now.path()
+        weights = np.array(
+            [candidate.weight(i, step) if candidate.can_try(one, i) else 0.0 for i, one in enumerate(path)]
+        )
+        if not weights.any():
+            return None
+        earlier = int(self.rng.choice(step + 1, p=weights / weights.sum()))
+        return path[earlier], earlier
+
+    def _close(self, candidate: _Candidate) -> None:
+        """Let no plan begin like a candidate up to where nothing can lead on, whatever is tried."""
+        level = [self.root]
+        for step, operator in enumerate(candidate.plan.steps):
+            if any(candidate.can_try(one, step) for one in level):
+                return
+            level = [reached for one in level for reached in one.next[operator].reached]
+            if not level:
+                self.costs.close(candidate.plan.steps[: step + 1])
+                return
+
+    def _attempt(self, candidate: _Candidate, now: _Reached, step: int) -> _Reached | None:
+        """Sample a subgoal and pursue it; return what it reached, None where it is a dead end."""
+        skill, refining = candidate.skills[step], self.search.refining
+        outcomes = now.next.setdefault(skill.operator, _Outcomes())
+        for _ in range(PROPOSALS):
+            subgoal = skill.skill.sampler.sample(now.state, skill.operator.objects, self.rng)
+            numbers = np.asarray(subgoal).tobytes()
+            if numbers not in outcomes.subgoals:
+                break
+        else:
+            outcomes.repeats = True
+            return None
+        refining.samples += 1
+        outcomes.subgoals.add(numbers)
+        outcomes.repeats = len(outcomes.subgoals) == self.settings.samples
+        expected = candidate.plan.atoms[step + 1]
+        found = carry_out(self.search.environment, skill, now.state, now.actions, subgoal, expected)
+        self.feedback.count(candidate.plan.steps[: step + 1], success=isinstance(found, RefinedStep))
+        if isinstance(found, RefinedStep):
+            used = now.actions + len(found.trajectory.actions)
+            reached = _Reached(found.trajectory.states[-1], used, now, found)
+            outcomes.reached.append(reached)
+            return reached
+        outcomes.failures += 1
+        for one in now.path():
+            one.failures += 1
+        refining.dead_ends[DeadEnd(candidate.number, step + 1, str(skill.operator), found)] += 1
+        return None
+
+
+def _failures(reached: _Reached) -> int:
+    return reached.failures

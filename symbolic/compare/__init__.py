@@ -1,0 +1,1 @@
+"""Operators compared, described and drawn for people."""

@@ -1,0 +1,1 @@
+"""Grounding: lifted operators and objects to ground operators, and a problem as numbered atoms."""

@@ -1,0 +1,1 @@
+"""Planners that are not ours: their processes, their PDDL, and what comes back from them."""
