@@ -1,4 +1,4 @@
-"""The house's layers: cli -> the door -> envs, learning -> symbolic; no circles, no names private elsewhere."""
+"""Layers: cli -> the door -> envs, learning -> symbolic; no circles, no names private elsewhere."""
 
 import ast
 from collections.abc import Iterator

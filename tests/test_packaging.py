@@ -1,4 +1,4 @@
-"""A wheel carries everything under one name, and neither it nor a checkout takes the names of users' folders."""
+"""A wheel carries all of it under one name, and takes no name that belongs to users."""
 
 import subprocess
 import sys

@@ -61,10 +61,7 @@ def test_json_says_the_same(bpns: Run, tmp_path: Path) -> None:
 
 def test_plan_of_a_program_is_refined_and_others_follow(bpns: Run, tmp_path: Path) -> None:
     """The program here is bpns itself."""
-    command = f"{sys.executable} -c 'from bpns.cli.main import main; main()' plan {{domain}} --problem {{problem}}"
-    own = script(
-        tmp_path, f"exec {command.replace('{domain}', '$domain').replace('{problem}', '$problem')} > plan"
-    )
+    own = script(tmp_path, f"exec {sys.executable} -m bpns plan $domain --problem $problem > plan")
     code, out, _ = bpns(*TASK, "--planner", own)
     assert code == 0
     assert "executed: yes" in out

@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bpns.symbolic import checkers
 from bpns.symbolic.checkers import reports
 from bpns.symbolic.checkers.reports import Inputs, PlanSource, Report, Source, Verdict, disagreements, outcome
 from bpns.symbolic.checkers.running import check
