@@ -17,7 +17,7 @@ from torch.nn.functional import one_hot
 
 from bpns import envs
 from bpns.learning.approaches import Learned, Learning
-from bpns.learning.data.demonstrations import read_demonstrations, read_environment_name
+from bpns.learning.data.files import read_demonstrations, read_environment_name
 from bpns.learning.graphs import learning as _graphs
 from bpns.learning.graphs import training as graph_training
 from bpns.learning.graphs.network import ROUNDS
@@ -70,7 +70,7 @@ def initial(examples: list[GraphExample]) -> tuple[Tensor, dict[str, Tensor]]:
 
 def examples_of(path: Path) -> list[GraphExample]:
     """Return the examples that GNN Meta learns from; the skills themselves are hardly trained."""
-    environment = envs.load(read_environment_name(path))
+    environment = envs.load(*read_environment_name(path))
     found: list[GraphExample] = []
 
     def keep(examples: list[GraphExample], *_: object) -> GraphFitted:

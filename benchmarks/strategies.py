@@ -12,7 +12,7 @@ from pathlib import Path
 from statistics import fmean
 
 from bpns import envs
-from bpns.learning.models.saved import read_model
+from bpns.learning.models.load import read_model
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.adaptive import Adaptive, adaptive
 from bpns.symbolic.bilevel.exhaustive import exhaustive

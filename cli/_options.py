@@ -1,25 +1,21 @@
 """What several subcommands share: options, loading what they name, progress."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
+from typing import Literal
 
 import click
 from click.core import ParameterSource
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from bpns import envs
-from bpns.learning.graphs.reactive import GraphModel
-from bpns.learning.models.saved import read_model, read_model_file
-from bpns.symbolic.bilevel.adaptive import adaptive
-from bpns.symbolic.bilevel.exhaustive import exhaustive
-from bpns.symbolic.bilevel.strategy import Strategy
-from bpns.symbolic.skills.environment import Budget, Environment
-from bpns.symbolic.skills.skill import Skill
+import bpns
+from bpns.model import Model
+from bpns.symbolic.bilevel.settings import SearchSettings
+from bpns.symbolic.errors import InputError
 
 MAX_SEED = 2**31 - 1
 NO_PLAN, NOT_REFINED, PLANNER_FAILED = 11, 12, 32  # exit codes; as in Fast Downward where it has them
@@ -95,66 +91,33 @@ def check_unused(names: Iterable[str], why: str) -> None:
             raise click.UsageError(f"{why}: leave {options[name]} out")
 
 
-@dataclass(frozen=True, slots=True)
-class Subject:
-    """Skills to plan with, and where they are from."""
-
-    label: str
-    approach: str  # 'oracle', or what a model's skills.json says
-    asked: str  # how the environment was asked for: its name, with options, or MODULE:ATTRIBUTE
-    environment: Environment
-    skills: Mapping[str, Skill]
-    seed: int
-    graph: GraphModel | None = None  # acts in place of a planner
-
-
-def load_subject(model: Path | None, oracle: str | None, variant: str | None = None) -> Subject:
-    """Return a model's skills or an environment's own; exactly one must be named.
+def load_subject(folder: Path | None, oracle: str | None, variant: str | None = None) -> Model:
+    """Return the model in a folder, or an environment's own skills; exactly one must be named.
 
     ``variant`` is an environment for the model in place of the one that it was learned in.
     """
     if oracle is not None and variant is not None:
         raise click.UsageError("--environment goes with a MODEL: give --oracle the variant itself")
-    if (model is None) == (oracle is None):
+    if (folder is None) == (oracle is None):
         raise click.UsageError("give a MODEL folder or --oracle ENVIRONMENT (one of them)")
-    if model is None:
-        assert oracle is not None
-        environment = envs.load(oracle)
-        skills = {skill.operator.name: skill for skill in environment.oracle_skills}
-        return Subject(f"oracle:{oracle}", "oracle", oracle, environment, skills, 0)
-    file = read_model_file(model)
-    asked = variant or file.load
-    environment = envs.load(asked)
-    saved = read_model(model, environment)
-    label = model.name or str(model)
-    label = f"{label} in {variant}" if variant else label
-    return Subject(label, file.approach, asked, environment, saved.skills, saved.seed, saved.graph)
+    if folder is not None:
+        return bpns.load_model(folder, variant)
+    assert oracle is not None
+    return bpns.oracle(bpns.load_environment(oracle))
 
 
-def strategy_and_budget(
-    environment: Environment,
-    preset: str,
-    strategy: str | None,
+def search_settings(
+    preset: Literal["default", "paper"],
+    strategy: Literal["adaptive", "exhaustive"] | None,
     plans: int | None,
     samples: int | None,
     per_plan: int | None,
-) -> tuple[str, Strategy, Budget]:
-    """Return how to search, by name and in fact, and how much, with the user's numbers in it."""
-    budget = environment.budget
-    if preset == "paper" and strategy == "adaptive":
-        raise click.UsageError("--preset paper searches exhaustively: leave it or --strategy adaptive out")
-    name = strategy or ("adaptive" if preset == "default" else "exhaustive")
-    if name == "adaptive":
-        if per_plan:
-            raise click.UsageError("--samples-per-plan goes with --strategy exhaustive")
-        return name, replace(adaptive, plans=plans, samples=samples), budget
-    own = replace(
-        budget,
-        abstract_plans=plans or budget.abstract_plans,
-        samples_per_step=samples or budget.samples_per_step,
-        samples_per_plan=per_plan or budget.samples_per_plan,
-    )
-    return name, exhaustive, own
+) -> SearchSettings:
+    """Return how to search; raise UsageError where options contradict each other."""
+    try:
+        return SearchSettings(preset, strategy, plans, samples, per_plan)
+    except InputError as error:
+        raise click.UsageError(str(error)) from error
 
 
 @contextmanager

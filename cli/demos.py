@@ -5,12 +5,9 @@ from pathlib import Path
 
 import click
 
-from bpns import envs
+import bpns
 from bpns.cli._options import MAX_SEED, NOT_REFINED, overwrite_option, progress_bar, workers_option
-from bpns.learning.data.demonstrations import collect, write_demonstrations
 from bpns.symbolic.files import check_output
-from bpns.symbolic.pddl.write import model_names
-from bpns.symbolic.skills.environment import domain_of
 
 
 @click.command()
@@ -22,16 +19,15 @@ from bpns.symbolic.skills.environment import domain_of
 @overwrite_option
 def command(environment: str, count: int, seed: int, out: Path | None, workers: int, overwrite: bool) -> None:
     """Solve train tasks of ENVIRONMENT with its oracle skills and keep the trajectories."""
-    world = envs.load(environment)
+    world = bpns.load_environment(environment)
     out = out or Path(f"{world.name}-{seed}.h5")
     check_output(out, overwrite)
-    model_names(domain_of(world, (skill.operator for skill in world.oracle_skills)))  # fit for PDDL later
     with progress_bar("demonstrating") as progress:
-        data = collect(world, count, seed, workers, progress)
+        data = bpns.collect(world, count, seed, workers, progress)
     if not data.demonstrations:
         click.echo(f"no demonstration of {count} tasks, nothing written; the first: {data.failures[0][1]}")
         sys.exit(NOT_REFINED)
-    write_demonstrations(out, data, world, environment)
+    bpns.write_demonstrations(out, data, world, overwrite=True)
     actions = sum(len(d.trajectory.actions) for d in data.demonstrations)
     click.echo(f"{len(data.demonstrations)} demonstrations of {count} tasks, {actions} actions: {out}")
     reasons: dict[str, list[int]] = {}

@@ -6,14 +6,9 @@ from pathlib import Path
 
 import click
 
+import bpns
 from bpns.cli._options import json_option
-from bpns.symbolic.compare.difference import compare
 from bpns.symbolic.compare.difference_text import difference_json, difference_text
-from bpns.symbolic.pddl.read import read_domain
-
-
-def _domain_file(path: Path) -> Path:
-    return path / "domain.pddl" if path.is_dir() else path
 
 
 @click.command()
@@ -27,7 +22,7 @@ def command(before: Path, after: Path, as_json: bool) -> None:
     Types, predicates and constants count as they are called; PDDL ignores case. What '-' marks is only in
     BEFORE and in its words, what '+' marks only in AFTER. Exits with 1 where anything differs.
     """
-    difference = compare(read_domain(_domain_file(before)), read_domain(_domain_file(after)))
+    difference = bpns.diff(before, after)
     if as_json:
         click.echo(json.dumps(difference_json(difference), indent=2))
     else:

@@ -6,11 +6,10 @@ from pathlib import Path
 import click
 
 from bpns.cli._options import json_option, load_subject, oracle_option, overwrite_option
-from bpns.symbolic.compare.description import operator_markdown, operator_text, operators_json
+from bpns.symbolic.compare.description import operator_markdown, operators_json
 from bpns.symbolic.files import check_output
 from bpns.symbolic.pddl.read import read_domain
 from bpns.symbolic.pddl.write import write_domain
-from bpns.symbolic.skills.environment import domain_of
 from bpns.symbolic.structs import Domain
 
 
@@ -53,15 +52,14 @@ def command(
     elif notation == "pddl":
         click.echo(write_domain(domain), nl=False)
     else:
-        text = operator_markdown if notation == "markdown" else operator_text
+        text = operator_markdown if notation == "markdown" else str
         click.echo("\n\n".join(map(text, domain.operators)))
 
 
 def _domain(model: Path | None, oracle: str | None) -> Domain:
     if model is not None and oracle is None and model.is_file():
         return read_domain(model)
-    subject = load_subject(model, oracle)
-    return domain_of(subject.environment, (skill.operator for skill in subject.skills.values()))
+    return load_subject(model, oracle).domain
 
 
 def _draw(path: Path, domain: Domain, overwrite: bool) -> None:

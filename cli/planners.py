@@ -8,8 +8,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+import bpns
 from bpns.cli._options import json_option
-from bpns.symbolic import planners
 from bpns.symbolic.grounding.heuristics import HEURISTICS
 from bpns.symbolic.planners.protocol import About
 
@@ -18,7 +18,7 @@ from bpns.symbolic.planners.protocol import About
 @json_option
 def command(as_json: bool) -> None:
     """List the planners: what is installed, what each can do, how to install the rest."""
-    listed = planners.about()
+    listed = bpns.planners()
     if as_json:
         rows = [{**asdict(about), "version": about.version} for about in listed]
         click.echo(json.dumps(rows, indent=2))

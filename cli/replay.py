@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from bpns import envs
+import bpns
 from bpns.cli._options import json_option
-from bpns.symbolic.skills.recording import read_recording, replay
 
 
 @click.command()
@@ -20,8 +19,7 @@ def command(file: Path, environment: str | None, as_json: bool) -> None:
 
     Exits with 1 where anything differs.
     """
-    recording = read_recording(file)
-    result = replay(recording, envs.load(environment or str(recording["environment"])))
+    result = bpns.replay(file, environment)
     total = result.different.total()
     if as_json:
         counts = {

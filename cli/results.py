@@ -7,8 +7,8 @@ from pathlib import Path
 import click
 
 from bpns.cli._options import json_option, overwrite_option
-from bpns.cli._summary import cells, new_table, print_table, summary_json
 from bpns.learning.experiments.results import open_results, read_all_results
+from bpns.learning.experiments.summary_text import cells, new_table, summary_json, table_text
 from bpns.learning.experiments.tables import Row, remarks, tables
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.files import check_output
@@ -77,7 +77,7 @@ def _print(environment: str, rows: list[Row]) -> None:
             row.tasks,
             *cells(row.summary, deviations=True),
         )
-    print_table(table)
+    click.echo(table_text(table))
     for row in rows:
         for remark in remarks(row, rows):
             click.echo(f"{row.label}: {remark}")

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
@@ -11,10 +12,9 @@ import click
 from rich.console import Console
 from rich.table import Table
 
+import bpns
 from bpns.cli._options import json_option
-from bpns.symbolic import checkers
-from bpns.symbolic.checkers.reports import Inputs, Report, disagreements, outcome, read_inputs
-from bpns.symbolic.checkers.running import check
+from bpns.symbolic.checkers.reports import Inputs, Report
 
 EXIT_CODES = {"valid": 0, "invalid": 1, "failed": 1, "unsupported": 37}
 SUMMARIES = {
@@ -34,7 +34,7 @@ MANY_PLANS = 3  # more get one column together
     "--checker",
     "chosen",
     multiple=True,
-    type=click.Choice(checkers.names()),
+    type=click.Choice(bpns.checkers()),
     help="Only this one; can be given several times (default: all that are installed).",
 )
 @click.option(
@@ -60,12 +60,10 @@ def command(
     """
     if not isfinite(timeout):
         raise click.UsageError("--timeout: give a positive number of seconds")
-    inputs = read_inputs(domain, problem, plans)
-    reports = check(inputs, list(dict.fromkeys(chosen)) or checkers.names(), timeout)
-    differ = disagreements(inputs.items, reports)
-    result = outcome(inputs.items, reports)
+    found = bpns.validate(domain, problem, plans, chosen, timeout)
+    inputs, reports, differ, result = found.inputs, found.reports, found.disagreements, found.outcome
     if as_json:
-        said = {"outcome": result, "disagreements": differ, "checkers": _json(inputs, reports)}
+        said = {"outcome": result, "disagreements": list(differ), "checkers": _json(inputs, reports)}
         click.echo(json.dumps(said, indent=2))
     else:
         _print(inputs, reports)
@@ -75,14 +73,14 @@ def command(
     sys.exit(EXIT_CODES[result])
 
 
-def _agreed(reports: list[Report], result: str) -> str:
+def _agreed(reports: Sequence[Report], result: str) -> str:
     """Name those that came to the result themselves."""
     level = "fault" if result == "invalid" else "ok"
     judged = [r.checker for r in reports if any(v.level == level for v in r.verdicts)]
     return f": {', '.join(judged)} agree" if len(judged) > 1 else f": {', '.join(judged)} alone says so"
 
 
-def _json(inputs: Inputs, reports: list[Report]) -> list[dict[str, object]]:
+def _json(inputs: Inputs, reports: Sequence[Report]) -> list[dict[str, object]]:
     return [
         {
             "checker": report.checker,
@@ -97,7 +95,7 @@ def _json(inputs: Inputs, reports: list[Report]) -> list[dict[str, object]]:
     ]
 
 
-def _print(inputs: Inputs, reports: list[Report]) -> None:
+def _print(inputs: Inputs, reports: Sequence[Report]) -> None:
     """Print a table of verdicts, then what is behind each that is not 'ok'."""
     files = len(inputs.items) - len(inputs.plans)
     many = len(inputs.plans) > MANY_PLANS

@@ -1,11 +1,12 @@
 """Worlds: one module is one environment and its file name is the environment's name."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
 from typing import cast
 
 from bpns.symbolic.errors import InputError
-from bpns.symbolic.plugins import PlugIns
+from bpns.symbolic.plugins import PlugIns, folder_of
 from bpns.symbolic.skills.environment import Environment
 
 ENVIRONMENTS = PlugIns("environment", "bpns.envs", "ENVIRONMENT")
@@ -16,30 +17,40 @@ def names() -> list[str]:
     return ENVIRONMENTS.names()
 
 
-def load(name: str) -> Environment:
+def load(name: str, folders: Iterable[Path] = ()) -> Environment:
     """Return an environment: a shipped one by name, a user's own as ``module:attribute``.
 
     The attribute is an environment, or a class that needs no arguments. Options, the fields of environments
-    that are dataclasses, may follow: ``stick_button:test_buttons=3,4``.
-    Raises InputError where there is none of that name.
+    that are dataclasses, may follow: ``stick_button:test_buttons=3,4``. ``folders`` are where the
+    module may be, beside the current folder. Raises InputError where there is none of that name.
     """
-    found = find(name)
+    return complete(find(name, folders), name)
+
+
+def complete(found: object, name: str) -> Environment:
+    """Return what was found as an environment; raise InputError where it lacks something."""
     missing = [a for a in dir(Environment) if not a.startswith("_") and not hasattr(found, a)]
     if missing:
         raise InputError(f"'{name}' is no environment: it has no {', '.join(missing)}")
     return cast(Environment, found)
 
 
-def find(name: str) -> object:
+def find(name: str, folders: Iterable[Path] = ()) -> object:
     """Return what is called like that, whether or not it is an environment; see ``load``."""
     place, options = _parts(name)
-    found = ENVIRONMENTS.load(place)
+    found = ENVIRONMENTS.load(place, folders)
     if isinstance(found, type):
         try:
             found = found()
         except Exception as error:  # whatever a stranger's class does
             raise InputError(f"cannot make environment '{place}': {type(error).__name__}: {error}") from error
     return with_options(found, options, place) if options else found
+
+
+def folder(name: str) -> Path | None:
+    """Return the folder where the module of a loaded ``module:attribute`` was; None for what is installed."""
+    module, colon, _ = _parts(name)[0].partition(":")
+    return folder_of(module) if colon else None
 
 
 def _parts(name: str) -> tuple[str, dict[str, str]]:

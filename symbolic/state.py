@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from bpns.symbolic.structs import GroundAtom, Object, Type, canonical_order
+from bpns.symbolic.structs import GroundAtom, Object, Type, canonical_order, sort_atoms
 
 Array: TypeAlias = NDArray[np.floating]
 Features: TypeAlias = tuple[float, ...]
@@ -24,6 +24,17 @@ class State:
     objects: tuple[Object, ...]  # canonical order
     features: Mapping[str, Features]  # object name -> one float per feature of its type
     by_type: Mapping[str, tuple[Object, ...]]  # type name -> its objects, canonical order
+
+    def __repr__(self) -> str:
+        return f"<state of {', '.join(o.name for o in self.objects)}>"
+
+    def __str__(self) -> str:
+        """One line for each object: its name, its type and its features."""
+        return "\n".join(
+            f"{o.name}:{o.type.name}  "
+            + "  ".join(f"{name} {value:g}" for name, value in zip(o.type.features, self[o], strict=True))
+            for o in self.objects
+        )
 
     @classmethod
     def of(cls, features: Mapping[Object, Iterable[float]]) -> "State":
@@ -73,6 +84,9 @@ class Task:
     init: State
     goal: frozenset[GroundAtom]
 
+    def __repr__(self) -> str:
+        return f"<task: {', '.join(map(str, sort_atoms(self.goal)))}; {len(self.init.objects)} objects>"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
@@ -84,3 +98,6 @@ class Trajectory:
     def __post_init__(self) -> None:
         if len(self.states) != len(self.actions) + 1:
             raise ValueError(f"{len(self.states)} states do not fit {len(self.actions)} actions")
+
+    def __repr__(self) -> str:
+        return f"<trajectory of {len(self.actions)} actions>"

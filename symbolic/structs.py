@@ -6,6 +6,7 @@ fields would be computed anew each time that an atom enters a set.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
+from html import escape
 from typing import Any, TypeVar
 
 Atom = TypeVar("Atom", "GroundAtom", "LiftedAtom")
@@ -25,6 +26,9 @@ class Type:
 
     def __hash__(self) -> int:
         return hash(self.name)
+
+    def __repr__(self) -> str:
+        return f"<type {self.name}>"
 
     def __eq__(self, other: object) -> bool:
         """Compare by content; a loop, as recursion would not survive a long line of ancestors."""
@@ -77,6 +81,9 @@ class Object:
     def __hash__(self) -> int:
         return hash(self.name)
 
+    def __repr__(self) -> str:
+        return f"<{self.name}:{self.type.name}>"
+
     def __str__(self) -> str:
         return self.name
 
@@ -91,6 +98,9 @@ class Variable:
     def __hash__(self) -> int:
         return hash(self.name)
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def __str__(self) -> str:
         return f"{self.name}:{self.type.name}"
 
@@ -104,6 +114,9 @@ class Predicate:
 
     def __hash__(self) -> int:
         return hash(self.name)
+
+    def __repr__(self) -> str:
+        return f"<{self.signature}>"
 
     def __call__(self, *objects: Object) -> "GroundAtom":
         """Apply the predicate to objects; raise ValueError on a wrong number or type."""
@@ -144,6 +157,9 @@ class GroundAtom:
     def __hash__(self) -> int:
         return hash((self.predicate.name, self.objects))
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def __str__(self) -> str:
         return f"{self.predicate.name}({', '.join(o.name for o in self.objects)})"
 
@@ -157,6 +173,9 @@ class LiftedAtom:
 
     def __hash__(self) -> int:
         return hash((self.predicate.name, self.terms))
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
 
     def __str__(self) -> str:
         return f"{self.predicate.name}({', '.join(map(str, self.terms))})"
@@ -183,6 +202,38 @@ class Operator:
 
     def __hash__(self) -> int:
         return hash(self.name)
+
+    def __repr__(self) -> str:
+        return f"<{self.name}({', '.join(map(str, self.parameters))})>"
+
+    def __str__(self) -> str:
+        """Return the operator in the notation of the paper's figure 10."""
+        return "\n".join(
+            [f"{self.name}:", *(f"  {title}: [{', '.join(texts)}]" for title, texts in self._rows())]
+        )
+
+    def _repr_html_(self) -> str:
+        """Return the operator as a table, for notebooks."""
+
+        def code(text: str) -> str:
+            return f"<code>{escape(text)}</code>"
+
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{title}</th>"
+            f"<td style='text-align:left'>{', '.join(map(code, texts))}</td></tr>"
+            for title, texts in self._rows()
+        )
+        return f"<table><caption><b>{escape(self.name)}</b></caption>{rows}</table>"
+
+    def _rows(self) -> list[tuple[str, list[str]]]:
+        conditions = [str(atom) for atom in sort_atoms(self.preconditions)]
+        conditions += [f"not {atom}" for atom in sort_atoms(self.negative_preconditions)]
+        return [
+            ("Parameters", [str(variable) for variable in self.parameters]),
+            ("Preconditions", conditions),
+            ("Add Effects", [str(atom) for atom in sort_atoms(self.add_effects)]),
+            ("Delete Effects", [str(atom) for atom in sort_atoms(self.delete_effects)]),
+        ]
 
     def ground(self, objects: tuple[Object, ...]) -> "GroundOperator":
         """Bind the parameters; raise ValueError where the number, a type or an (in)equality is wrong."""
@@ -235,6 +286,9 @@ class GroundOperator:
     def __hash__(self) -> int:
         return self._hash
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Build it anew: in another process names have other hashes."""
         return GroundOperator, tuple(getattr(self, one.name) for one in fields(self) if one.init)
@@ -266,6 +320,9 @@ class Domain:
     operators: tuple[Operator, ...]
     constants: tuple[Object, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<domain {self.name}: {', '.join(one.name for one in self.operators)}>"
+
     def with_operators(self, operators: Iterable[Operator]) -> "Domain":
         """Return the same domain with other operators."""
         return Domain(self.name, self.types, self.predicates, tuple(operators), self.constants)
@@ -280,6 +337,9 @@ class Problem:
     init: frozenset[GroundAtom]
     goal: frozenset[GroundAtom]
     negative_goal: frozenset[GroundAtom] = frozenset()
+
+    def __repr__(self) -> str:
+        return f"<problem {self.name}: {len(self.objects)} objects, {len(self.goal)} goal atoms>"
 
     def satisfied(self, atoms: frozenset[GroundAtom]) -> bool:
         """Say whether the goal holds in an abstract state."""

@@ -8,30 +8,11 @@ from time import monotonic
 from types import MappingProxyType
 from typing import Any
 
-from bpns.learning.graphs.reactive import GraphModel, react
+from bpns.learning.models.solver import Solver, attempt
 from bpns.learning.parallel import parallel_unordered
-from bpns.symbolic.bilevel.adaptive import adaptive
-from bpns.symbolic.bilevel.execution import execute
 from bpns.symbolic.bilevel.refinement import DeadEnd
-from bpns.symbolic.bilevel.solve import Plan, solve
-from bpns.symbolic.bilevel.strategy import Strategy
-from bpns.symbolic.planners.protocol import Planner
-from bpns.symbolic.skills.environment import Budget, Environment, sample_tasks
-from bpns.symbolic.skills.skill import Skill
+from bpns.symbolic.skills.environment import sample_tasks
 from bpns.symbolic.state import Task
-
-
-@dataclass(frozen=True, slots=True)
-class Solver:
-    """All that is needed to solve tasks."""
-
-    environment: Environment
-    skills: Mapping[str, Skill]
-    planner: Planner
-    budget: Budget
-    timeout: float | None = None  # seconds per task
-    strategy: Strategy = adaptive
-    graph: GraphModel | None = None  # acts in place of the planner
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,61 +48,24 @@ def evaluate_task(solver: Solver, numbered: tuple[int, int, Task]) -> Result:
     """
     seed, index, task = numbered
     deadline = None if solver.timeout is None else monotonic() + solver.timeout
-    if solver.graph is not None:
-        execution, episode = react(
-            solver.environment, task, solver.graph, solver.skills, seed + index + 1, deadline
-        )
-        return Result(
-            seed=seed,
-            task=index,
-            planned=None,
-            refined=None,
-            executed=execution.success,
-            fault=execution.fault,
-            dead_ends=(),
-            nodes_created=0,
-            nodes_expanded=0,
-            abstract_plans=0,
-            samples=episode.samples,
-            plan_length=len(episode.steps),
-            planning_seconds=0.0,
-            policy_seconds=execution.policy_seconds,
-        )
-    outcome = solve(
-        solver.environment,
-        task,
-        solver.skills,
-        solver.planner,
-        solver.budget,
-        seed + index + 1,
-        deadline,
-        solver.strategy,
-    )
-    refined = isinstance(outcome, Plan)
-    if isinstance(outcome, Plan):
-        execution = execute(solver.environment, task, outcome)
-        executed, fault, policy_seconds = execution.success, execution.fault, execution.policy_seconds
-        length = len(outcome.steps)
-    else:
-        executed, fault, policy_seconds, length = False, outcome.text, 0.0, 0
+    outcome = attempt(solver, task, seed + index + 1, deadline)
     effort = outcome.effort
-    ends = sorted(outcome.dead_ends.items(), key=lambda item: (-item[1], item[0]))
     return Result(
-        seed,
-        index,
-        effort.abstract_plans > 0,
-        refined,
-        executed,
-        fault,
-        tuple(ends[:5]),
-        effort.nodes_created,
-        effort.nodes_expanded,
-        effort.abstract_plans,
-        effort.samples,
-        length,
-        sum(effort.seconds.values()),
-        policy_seconds,
-        effort.remarks,
+        seed=seed,
+        task=index,
+        planned=outcome.planned,
+        refined=outcome.refined,
+        executed=outcome.executed,
+        fault=outcome.why,
+        dead_ends=tuple(outcome.dead_ends[:5]),
+        nodes_created=effort.nodes_created,
+        nodes_expanded=effort.nodes_expanded,
+        abstract_plans=effort.abstract_plans,
+        samples=outcome.samples,
+        plan_length=len(outcome.steps),
+        planning_seconds=sum(effort.seconds.values()),
+        policy_seconds=0.0 if outcome.execution is None else outcome.execution.policy_seconds,
+        remarks=effort.remarks,
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 
-from bpns.learning.models.saved import FILES, read_model_file
+from bpns.learning.models.files import FILES, read_model_file
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.files import read_json
 

@@ -22,6 +22,12 @@ class RefinedStep:
     subgoal: Array
     trajectory: Trajectory
 
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def __str__(self) -> str:
+        return f"{self.skill.operator}  ({len(self.trajectory.actions)} actions)"
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class DeadEnd:

@@ -41,6 +41,12 @@ class Plan:
     effort: Effort
     dead_ends: Mapping[DeadEnd, int]
 
+    def __repr__(self) -> str:
+        return f"<plan of {len(self.steps)} steps: {'; '.join(str(s.skill.operator) for s in self.steps)}>"
+
+    def __str__(self) -> str:
+        return "\n".join(f"{number}. {step}" for number, step in enumerate(self.steps, 1))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoPlan:
@@ -50,6 +56,9 @@ class NoPlan:
     text: str
     effort: Effort
     dead_ends: Mapping[DeadEnd, int]
+
+    def __repr__(self) -> str:
+        return f"<no plan: {self.text}>"
 
 
 def solve(

@@ -1,27 +1,9 @@
-"""Operators for people (the paper's notation, Markdown) and for other programs (JSON values)."""
+"""Operators as Markdown and as JSON values; ``str`` gives the notation of the paper."""
 
 from collections.abc import Iterable
 from typing import Any
 
 from bpns.symbolic.structs import LiftedAtom, Operator, sort_atoms
-
-
-def operator_text(operator: Operator) -> str:
-    """Return an operator in the notation of the paper's figure 10."""
-
-    def atoms(lifted: frozenset[LiftedAtom], prefix: str = "") -> list[str]:
-        return [f"{prefix}{atom}" for atom in sort_atoms(lifted)]
-
-    conditions = atoms(operator.preconditions) + atoms(operator.negative_preconditions, "not ")
-    return "\n".join(
-        [
-            f"{operator.name}:",
-            f"  Parameters: [{', '.join(map(str, operator.parameters))}]",
-            f"  Preconditions: [{', '.join(conditions)}]",
-            f"  Add Effects: [{', '.join(atoms(operator.add_effects))}]",
-            f"  Delete Effects: [{', '.join(atoms(operator.delete_effects))}]",
-        ]
-    )
 
 
 def operator_markdown(operator: Operator) -> str:

@@ -35,6 +35,9 @@ class GroundSkill:
     skill: Skill
     operator: GroundOperator
 
+    def __repr__(self) -> str:
+        return f"<skill {self.operator}>"
+
     def initiable(self, environment: Environment, state: State) -> bool:
         """Say whether all preconditions hold in the state."""
         return all(holds(environment, a, state) for a in self.operator.preconditions) and not any(

@@ -69,6 +69,9 @@ class GivenSkill:
     types: tuple[Type, ...]
     policy: Policy
 
+    def __repr__(self) -> str:
+        return f"<given skill {self.name}({', '.join(t.name for t in self.types)})>"
+
 
 @dataclass(frozen=True, slots=True)
 class Label:
@@ -108,6 +111,9 @@ class Skill:
     sampler: Sampler
     terminal: Terminal | None = None
     max_actions: int | None = None
+
+    def __repr__(self) -> str:
+        return f"<skill {self.operator!r}, {self.sampler.dimension} numbers in a subgoal>"
 
     @classmethod
     def of_given(cls, operator: Operator, given: GivenSkill, arguments: tuple[Variable, ...]) -> "Skill":

@@ -8,7 +8,8 @@ import pytest
 
 from bpns import envs
 from bpns.learning import approaches
-from bpns.learning.data.demonstrations import Demonstrations, write_demonstrations
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.learning.data.files import write_demonstrations
 from bpns.learning.graphs.training import GraphTraining
 from bpns.learning.models.learn import SkillConfig
 from bpns.learning.networks.training import Training

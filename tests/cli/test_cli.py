@@ -11,9 +11,10 @@ import pytest
 from PIL import Image
 
 from bpns import envs
-from bpns.learning.data.demonstrations import Demonstrations, write_demonstrations
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.learning.data.files import write_demonstrations
 from bpns.learning.models.learn import LearnedSkill
-from bpns.learning.models.saved import entry_of, write_model
+from bpns.learning.models.save import entry_of, write_model
 from bpns.symbolic.state import Array, State
 from tests.toy import Toy
 

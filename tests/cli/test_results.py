@@ -20,7 +20,7 @@ from bpns.learning.experiments.evaluation import Result
 from bpns.learning.experiments.results import Run, add_result, open_results
 from bpns.learning.models.learn import LearnedSkill
 from bpns.learning.models.origin import Origin
-from bpns.learning.models.saved import entry_of, write_model
+from bpns.learning.models.save import entry_of, write_model
 
 Program = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[2]

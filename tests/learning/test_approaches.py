@@ -11,12 +11,15 @@ from bpns import envs
 from bpns.learning import approaches
 from bpns.learning.approaches import Learned, Learning
 from bpns.learning.data.demonstrations import Demonstrations
-from bpns.learning.experiments.evaluation import Solver, evaluate, summarize
+from bpns.learning.experiments.evaluation import evaluate, summarize
 from bpns.learning.graphs.reactive import GraphModel, choose, react
 from bpns.learning.graphs.saved import graph_entry
 from bpns.learning.graphs.training import GraphTraining
+from bpns.learning.models.files import SavedModel
 from bpns.learning.models.learn import SkillConfig
-from bpns.learning.models.saved import SavedModel, entry_of, read_model, write_model
+from bpns.learning.models.load import read_model
+from bpns.learning.models.save import entry_of, write_model
+from bpns.learning.models.solver import Solver
 from bpns.learning.networks.policies import LearnedPolicy, PassThrough
 from bpns.learning.networks.samplers import LearnedSampler
 from bpns.learning.networks.training import Training

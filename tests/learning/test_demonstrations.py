@@ -5,12 +5,8 @@ import numpy as np
 import pytest
 
 from bpns import envs
-from bpns.learning.data.demonstrations import (
-    Demonstrations,
-    collect,
-    read_demonstrations,
-    write_demonstrations,
-)
+from bpns.learning.data.demonstrations import Demonstrations, collect
+from bpns.learning.data.files import read_demonstrations, write_demonstrations
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.skills.environment import abstract, sample_tasks
 from tests.toy import Toy

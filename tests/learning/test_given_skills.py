@@ -13,15 +13,12 @@ import pytest
 from bpns import envs
 from bpns.envs.doors import OpenPolicy, OpenSampler
 from bpns.envs.doors.world import DOOR_IS_OPEN, IN_ROOM, TOUCHING_DOOR
-from bpns.learning.data.demonstrations import (
-    Demonstrations,
-    collect,
-    read_demonstrations,
-    write_demonstrations,
-)
+from bpns.learning.data.demonstrations import Demonstrations, collect
+from bpns.learning.data.files import read_demonstrations, write_demonstrations
 from bpns.learning.data.segmentation import Segment, segment
 from bpns.learning.models.learn import LearnedSkill, learn_skills
-from bpns.learning.models.saved import entry_of, read_model, write_model
+from bpns.learning.models.load import read_model
+from bpns.learning.models.save import entry_of, write_model
 from bpns.learning.networks.policies import LearnedPolicy
 from bpns.learning.operators.clustering import OperatorData, learn_operators
 from bpns.symbolic import planners

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from bpns import envs
-from bpns.learning.experiments.evaluation import Result, Solver, evaluate, summarize
+from bpns.learning.experiments.evaluation import Result, evaluate, summarize
 from bpns.learning.experiments.results import (
     KEY,
     Run,
@@ -21,7 +21,8 @@ from bpns.learning.experiments.results import (
 from bpns.learning.experiments.tables import RunName, remarks, tables
 from bpns.learning.models.learn import LearnedSkill
 from bpns.learning.models.origin import ORACLE, Origin, read_origin
-from bpns.learning.models.saved import entry_of, write_model
+from bpns.learning.models.save import entry_of, write_model
+from bpns.learning.models.solver import Solver
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.refinement import DeadEnd
 from bpns.symbolic.errors import InputError

@@ -7,7 +7,8 @@ import pytest
 
 from bpns import envs
 from bpns.learning.models.learn import LearnedSkill
-from bpns.learning.models.saved import entry_of, read_model, write_model
+from bpns.learning.models.load import read_model
+from bpns.learning.models.save import entry_of, write_model
 from bpns.symbolic.errors import InputError, PddlError
 from bpns.symbolic.skills.environment import sample_tasks
 from bpns.symbolic.skills.rollout import GroundSkill

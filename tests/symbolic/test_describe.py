@@ -1,4 +1,4 @@
-from bpns.symbolic.compare.description import operator_markdown, operator_text, operators_json
+from bpns.symbolic.compare.description import operator_markdown, operators_json
 from bpns.symbolic.pddl.read import parse_domain
 from tests.symbolic._texts import DOMAIN
 
@@ -6,7 +6,7 @@ PICK, FILL = parse_domain(DOMAIN).operators
 
 
 def test_the_papers_notation() -> None:
-    assert operator_text(PICK) == (
+    assert str(PICK) == (
         "pick:\n"
         "  Parameters: [?r:robot, ?x:item]\n"
         "  Preconditions: [hand-empty(?r:robot), not done()]\n"

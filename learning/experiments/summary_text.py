@@ -1,6 +1,7 @@
-"""Means and deviations as cells of a table and as JSON."""
+"""Means and deviations as tables of text and as JSON."""
 
 from dataclasses import asdict
+from io import StringIO
 from math import isnan
 
 from rich.box import SIMPLE_HEAD
@@ -22,9 +23,11 @@ def new_table(words: tuple[str, ...], numbers: tuple[str, ...]) -> Table:
     return table
 
 
-def print_table(table: Table) -> None:
-    """Print a table as wide as it is: numbers that are cut off mislead."""
-    Console(width=1000, highlight=False, markup=False, emoji=False).print(table)
+def table_text(table: Table) -> str:
+    """Return a table as text, as wide as it is: numbers that are cut off mislead."""
+    text = StringIO()
+    Console(file=text, width=1000, highlight=False, markup=False, emoji=False).print(table)
+    return text.getvalue().rstrip("\n")
 
 
 def cells(summary: Summary, deviations: bool) -> list[str]:

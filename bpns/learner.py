@@ -1,0 +1,124 @@
+"""Learning: demonstrations -> a model, by any approach."""
+
+import os
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from importlib.metadata import version
+from typing import Literal
+
+from bpns import __version__
+from bpns.learning import approaches
+from bpns.learning.approaches import Learning
+from bpns.learning.data.demonstrations import Demonstrations
+from bpns.learning.models.save import entry_of
+from bpns.model import Model
+from bpns.symbolic.errors import InputError
+from bpns.symbolic.pddl.write import model_names
+from bpns.symbolic.skills.environment import domain_of
+from bpns.world import World
+
+
+def learn(
+    world: World,
+    demonstrations: Demonstrations,
+    approach: str = "bpns",
+    seed: int | None = None,
+    preset: Literal["default", "paper"] = "default",
+    min_share: float | None = None,
+    device: str = "auto",
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+    command: str = "bpns.learn",
+) -> Model:
+    """Learn a model: operators, and a policy and a sampler for each; or what another approach learns.
+
+    ``approach`` is a name as in ``bpns.approaches()``, or "module:attribute". ``seed`` is the demonstrations'
+    own if none is given. ``preset`` "paper" learns the paper's operators with its training, which takes
+    minutes. ``min_share`` is the share of all segments below which an operator is dropped (0.01 by default,
+    0: no filter). ``device`` is of graph networks: "cpu", "cuda" or "auto". ``workers`` are processes; they
+    change the time, not the result. ``command`` is noted in the model. Raises InputError where nothing can be
+    learned. Source: spec, algorithm.md sections 3 to 6.
+
+    >>> import bpns
+    >>> world = bpns.load_environment("cover")
+    >>> model = bpns.learn(world, bpns.collect(world, count=20), seed=0)
+    >>> print(model.operators["Op0"])
+    Op0:
+      Parameters: [?x0:block, ?x1:gripper]
+      Preconditions: [HandEmpty(), IsBlock(?x0:block)]
+      Add Effects: [Holding(?x0:block, ?x1:gripper)]
+      Delete Effects: [HandEmpty()]
+    """
+    chosen = approaches.load(approach)
+    if chosen.learn is None:
+        raise InputError(f"'{approach}' learns nothing: {chosen.summary}")
+    if min_share is not None and not chosen.skills:
+        raise InputError(f"'{approach}' learns no operators: leave the least share out")
+    if preset not in ("default", "paper"):
+        raise InputError(f"no preset '{preset}' (have: default, paper)")
+    model_names(domain_of(world.environment, ()))  # before minutes of training: will this be fit for PDDL?
+    from bpns.learning.graphs.training import GraphTraining, device_of  # torch: slow to import
+    from bpns.learning.models.learn import SkillConfig
+
+    device = str(device_of(device))
+    config = SkillConfig.paper() if preset == "paper" else SkillConfig()
+    if min_share is not None:
+        config = replace(config, min_share=min_share)
+    graphs = GraphTraining() if preset == "paper" else GraphTraining.fast()
+    seed = demonstrations.seed if seed is None else seed
+    start, start_cpu = time.perf_counter(), _cpu_seconds()
+    how = Learning(config, graphs, seed, workers, device, progress)
+    learned = chosen.learn(world.environment, demonstrations, how)
+    count = len(demonstrations.demonstrations)
+    name = approach.replace("-", "_")
+    return Model(
+        world=world,
+        label=name,
+        approach=name,
+        seed=seed,
+        skills={one.skill.operator.name: one.skill for one in learned.skills},
+        entries={
+            one.skill.operator.name: entry_of(one.skill, one.segments, one.demonstrations, one.fits)
+            for one in learned.skills
+        },
+        graph=learned.graph,
+        training=learned.fit,
+        run={
+            "command": command,
+            **_versions(),
+            "approach": name,
+            "preset": preset,
+            "settings": asdict(config),
+            "graphs": {**asdict(graphs), "device": device},
+            "seed": seed,
+            "demonstrations": {
+                "seed": demonstrations.seed,
+                "asked": demonstrations.asked,
+                "given": count,
+            },
+            "seconds": round(time.perf_counter() - start, 3),
+            "cpu_seconds": round(_cpu_seconds() - start_cpu, 3),
+        },
+        header=(
+            f"Skills of environment {world.name}, learned by bpns {__version__} from {count} demonstrations\n"
+            f"(demonstrations of seed {demonstrations.seed}, learning with seed {seed}). You may edit this "
+            "file: keep the\noperators' names and the types of their parameters."
+        ),
+    )
+
+
+def _versions() -> dict[str, str]:
+    packages = ("numpy", "torch", "safetensors", "h5py")
+    return {
+        "bpns": __version__,
+        "python": platform.python_version(),
+        **{package: version(package) for package in packages},
+    }
+
+
+def _cpu_seconds() -> float:
+    """Return the processor time of this process and of its workers that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
