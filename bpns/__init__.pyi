@@ -64,3 +64,4 @@ from .symbolic.structs import Variable as Variable
 from .world import World as World
 from .world import environments as environments
 from .world import load_environment as load_environment
+from .world import new_environment as new_environment

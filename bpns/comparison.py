@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bpns.enumeration import MAX_NODES, read_pair
+from bpns.learning.models.solver import Outcome
 from bpns.model import Model
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.settings import SearchSettings
@@ -104,17 +105,10 @@ def compare_planners(
         except MissingPackage as error:
             rows.append({"planner": name, "remark": str(error)})
             continue
-        row = _row(
-            name, first_plans(planner, grounded, plans, seed, Limit(nodes, time.monotonic() + seconds)), plans
-        )
+        limit = Limit(nodes, time.monotonic() + seconds)
+        row = _row(name, first_plans(planner, grounded, plans, seed, limit), plans)
         if isinstance(domain, Model) and isinstance(problem, Task):
-            outcome = domain.plan(problem, planner, seconds, search, seed)
-            row |= {
-                "refined": outcome.refined,
-                "executed": outcome.executed,
-                "tried": outcome.effort.abstract_plans,
-                "solve s": round(sum(outcome.effort.seconds.values()), 4),
-            }
+            row |= _solved(domain.plan(problem, planner, seconds, search, seed))
         rows.append(row)
     return Comparison(tuple(rows))
 
@@ -145,6 +139,15 @@ def _row(name: str, found: Enumeration, wanted: int) -> dict[str, Any]:
         "steps": f"{min(lengths)} to {max(lengths)}" if lengths else None,
         "first": lengths[0] if lengths else None,
         "remark": "; ".join(filter(None, remarks)),
+    }
+
+
+def _solved(outcome: Outcome) -> dict[str, Any]:
+    return {
+        "refined": outcome.refined,
+        "executed": outcome.executed,
+        "tried": outcome.effort.abstract_plans,
+        "solve s": round(sum(outcome.effort.seconds.values()), 4),
     }
 
 

@@ -63,7 +63,7 @@ def diff(before: Path | str | Domain | Model, after: Path | str | Domain | Model
     >>> import bpns
     >>> model = bpns.oracle(bpns.load_environment("cover"))
     >>> print(bpns.difference_text(bpns.diff(model, model.renamed({"Pick": "Grasp"}))))
-    same      Pick, now Grasp
+    same      Pick -> Grasp
     same      Place
     operators: 2 same, 0 changed, 0 removed, 0 added
     """

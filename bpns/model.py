@@ -87,12 +87,10 @@ class Model:
         >>> world = bpns.load_environment("cover")
         >>> outcome = bpns.oracle(world).plan(world.task("test", 3), timeout=60)
         >>> print(outcome.plan)
-        1. Pick(block1, robby)  (2 actions)
-        2. Place(block1, robby, target1)  (2 actions)
-        3. Pick(block0, robby)  (2 actions)
-        4. Place(block0, robby, target0)  (2 actions)
+        1. Pick(block0, robby)  (2 actions)
+        2. Place(block0, robby, target0)  (3 actions)
         >>> outcome.executed, outcome.why, len(outcome.states), len(outcome.actions)
-        (True, '', 9, 8)
+        (True, '', 6, 5)
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         return attempt(
@@ -129,7 +127,7 @@ class Model:
 
         >>> import bpns
         >>> world = bpns.load_environment("cover")
-        >>> model = bpns.learn(world, bpns.collect(world, count=20), preset="quick")
+        >>> model = bpns.learn(world, bpns.collect(world, count=20))
         >>> model.save("model")
         >>> bpns.load_model("model").operators == model.operators
         True
@@ -233,7 +231,7 @@ def load_model(folder: Path | str, environment: "str | Environment | World | Non
 
     >>> import bpns
     >>> world = bpns.load_environment("cover")
-    >>> bpns.learn(world, bpns.collect(world, count=20), preset="quick").save("cover", overwrite=True)
+    >>> bpns.learn(world, bpns.collect(world, count=20)).save("cover")
     >>> bpns.load_model("cover")
     <model cover: bpns in cover; Op0, Op1>
     """

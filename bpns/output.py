@@ -95,7 +95,7 @@ def write_state(path: Path | str, state: State, overwrite: bool = False) -> None
     >>> world = bpns.load_environment("cover")
     >>> bpns.write_state("state.json", world.task().init)
     >>> world.own_task("Covers(block0, target1)", "state.json")
-    <task: Covers(block0, target1); 5 objects>
+    <task: Covers(block0, target1); 9 objects>
     """
     check_output(Path(path), overwrite)
     own_task.write_state(Path(path), state)

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bpns import envs
 from bpns.symbolic.errors import InputError
+from bpns.symbolic.files import check_output, write_text
 from bpns.symbolic.skills.environment import Environment, Split, abstract, sample_tasks
 from bpns.symbolic.skills.own_task import parse_goal, read_state, state_of
 from bpns.symbolic.state import State, Task
@@ -53,7 +55,7 @@ class World:
         ``split`` is "train" (of demonstrations) or "test" (of evaluations). Raises InputError for others.
 
         >>> load_environment("cover").task("test", 3)
-        <task: Covers(block0, target0), Covers(block1, target1); 5 objects>
+        <task: Covers(block0, target0); 9 objects>
         """
         if number < 0:
             raise InputError(f"task {number}: tasks are counted from 0")
@@ -75,7 +77,7 @@ class World:
 
         >>> world = load_environment("cover")
         >>> world.own_task("Covers(block0, target1)", world.task().init)
-        <task: Covers(block0, target1); 5 objects>
+        <task: Covers(block0, target1); 9 objects>
         """
         if isinstance(init, State):
             state = init
@@ -123,3 +125,26 @@ def environments() -> list[str]:
     ['coffee', 'cover', 'doors', 'stick_button']
     """
     return envs.names()
+
+
+def new_environment(name: str, path: Path | str, overwrite: bool = False) -> None:
+    """Write a commented environment to begin with: a small world that works, under a name of your own.
+
+    Raises InputError where the name is none of a Python class and of a PDDL domain, or the file exists.
+
+    >>> new_environment("kitchen", "kitchen.py")
+    >>> load_environment("kitchen:ENVIRONMENT").name
+    'kitchen'
+    """
+    path = Path(path)
+    words = name.split("_")
+    if not all(word.isascii() and word.isalnum() for word in words) or not name[0].isalpha():
+        raise InputError(
+            f"'{name}' cannot be an environment's name: use letters, digits and _, as in my_robot"
+        )
+    if not path.with_suffix("").name.isidentifier() or path.suffix != ".py":
+        raise InputError(f"{path}: not the name of a Python module: call it {name}.py, for instance")
+    check_output(path, overwrite)
+    text = resources.files("bpns").joinpath("skeleton.py").read_text(encoding="utf-8")
+    text = text.replace("FILE:", f"{path.with_suffix('').name}:").replace('"sorting"', f'"{name}"')
+    write_text(path, text.replace("Sorting", "".join(word.capitalize() for word in words)))

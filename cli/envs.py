@@ -1,15 +1,18 @@
-"""List the environments, or check one."""
+"""List the environments, check one, begin one of your own."""
 
 import json
 import sys
 from collections import Counter
 from dataclasses import asdict, fields, is_dataclass
+from pathlib import Path
 
 import click
 
-from bpns import envs
-from bpns.cli._options import MAX_SEED, json_option
-from bpns.symbolic.environment_check import check
+import bpns
+from bpns.cli._options import MAX_SEED, json_option, overwrite_option
+from bpns.symbolic.files import check_output, replacing
+from bpns.symbolic.skills.own_task import state_json
+from bpns.symbolic.structs import sort_atoms
 
 
 @click.group(invoke_without_command=True)
@@ -18,8 +21,8 @@ def command(context: click.Context) -> None:
     """List the environments: types, predicates, budgets."""
     if context.invoked_subcommand is not None:
         return
-    for name in envs.names():
-        environment = envs.load(name)
+    for name in bpns.environments():
+        environment = bpns.load_environment(name).environment
         click.echo(name)
         types = (f"{t.name}({', '.join(t.features)})" for t in environment.types)
         click.echo(f"  types:      {', '.join(types)}")
@@ -48,7 +51,7 @@ def check_command(name: str, tasks: int, seed: int, as_json: bool) -> None:
     """
     levels: Counter[str] = Counter()
     found = []
-    for finding in check(envs.find(name), tasks, seed):
+    for finding in bpns.check_environment(name, tasks, seed):
         levels[finding.level] += 1
         found.append(asdict(finding))
         if not as_json:
@@ -60,3 +63,39 @@ def check_command(name: str, tasks: int, seed: int, as_json: bool) -> None:
         counts = (f"{levels[level]} {level}" for level in ("ok", "fault", "warning", "skipped"))
         click.echo(f"{name}: {', '.join(counts)}")
     sys.exit(1 if levels["fault"] else 0)
+
+
+@command.command("new")
+@click.argument("name")
+@click.option("--out", type=click.Path(path_type=Path), help="Python file (default: NAME.py).")
+@overwrite_option
+def new_command(name: str, out: Path | None, overwrite: bool) -> None:
+    """Write a commented environment to begin with: a small world that works, to be changed step by step."""
+    path = out or Path(f"{name}.py")
+    bpns.new_environment(name, path, overwrite)
+    module = path.with_suffix("").name
+    click.echo(f"{path}: now 'bpns envs check {module}:ENVIRONMENT', then 'bpns demos {module}:ENVIRONMENT'")
+
+
+@command.command("state")
+@click.argument("name", metavar="NAME")
+@click.option("--task", type=click.IntRange(0), default=0, show_default=True, help="Evaluation task.")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True)
+@click.option("--out", type=click.Path(path_type=Path), help="JSON file (default: printed).")
+@click.option("--picture", type=click.Path(path_type=Path), help="Also draw it: .png.")
+@overwrite_option
+def state_command(
+    name: str, task: int, seed: int, out: Path | None, picture: Path | None, overwrite: bool
+) -> None:
+    """Write the initial state of a task, to be edited and given to 'bpns plan --goal GOAL --init FILE'."""
+    world = bpns.load_environment(name)
+    chosen = world.task("test", task, seed)
+    if picture is not None:
+        check_output(picture, overwrite)
+        with replacing(picture) as temporary:
+            world.draw(chosen.init, chosen.goal).save(temporary, "PNG")
+    if out is None:
+        click.echo(json.dumps(state_json(chosen.init), indent=2))
+    else:
+        bpns.write_state(out, chosen.init, overwrite)
+        click.echo(f"{out}: {', '.join(map(str, sort_atoms(chosen.goal)))} is the task's own goal")

@@ -17,6 +17,11 @@ Features: TypeAlias = tuple[float, ...]
 class State:
     """Every object's features as Python floats. No equality: ask ``close`` with a tolerance.
 
+    >>> block = Object("block0", Type("block", ("x", "width")))
+    >>> state = State.of({block: (0.5, 0.1)})
+    >>> state[block], state.changed({"block0": (0.6, 0.1)})[block]
+    ((0.5, 0.1), (0.6, 0.1))
+
     Features are kept by object name in tuples, not in arrays: simulators read single numbers, which is
     slow from numpy arrays.
     """
@@ -79,7 +84,13 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """An initial state and the ground atoms that must hold in the end."""
+    """An initial state and the ground atoms that must hold in the end.
+
+    ``World.task`` draws one, ``World.own_task`` makes one of text.
+
+    >>> Task(State.of({Object("block0", Type("block", ("x",))): (0.5,)}), frozenset())
+    <task: ; 1 objects>
+    """
 
     init: State
     goal: frozenset[GroundAtom]
@@ -90,7 +101,13 @@ class Task:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
-    """States and the actions between them: one more state than actions."""
+    """States and the actions between them: one more state than actions.
+
+    Raises ValueError where the numbers do not fit.
+
+    >>> Trajectory((State.of({}),), ())
+    <trajectory of 0 actions>
+    """
 
     states: tuple[State, ...]
     actions: tuple[Array, ...]  # each (A,) float32

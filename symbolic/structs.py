@@ -16,6 +16,10 @@ Atom = TypeVar("Atom", "GroundAtom", "LiftedAtom")
 class Type:
     """A type, its features (entries of a state vector, in order) and the type that it specialises.
 
+    >>> block = Type("block", ("x", "width"))
+    >>> Type("cube", ("x", "width"), parent=block).is_a(block)
+    True
+
     ``either`` makes it PDDL's ``(either a b)``: what is of type a or of type b. See ``either``, below.
     """
 
@@ -73,7 +77,11 @@ def either(types: Iterable[Type]) -> Type:
 
 @dataclass(frozen=True, slots=True)
 class Object:
-    """A thing of a task. Two objects of one task never share a name."""
+    """A thing of a task. Two objects of one task never share a name.
+
+    >>> Object("block0", Type("block"))
+    <block0:block>
+    """
 
     name: str
     type: Type
@@ -90,7 +98,11 @@ class Object:
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A parameter of an operator; its name starts with ``?``."""
+    """A parameter of an operator; its name starts with ``?``.
+
+    >>> Variable("?block", Type("block"))
+    <?block:block>
+    """
 
     name: str
     type: Type
@@ -107,7 +119,15 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Predicate:
-    """A relation over objects of the given types."""
+    """A relation over objects of the given types.
+
+    Applied to objects it gives a ground atom, ``lifted`` over variables a lifted one.
+
+    >>> block = Type("block")
+    >>> holding = Predicate("Holding", (block,))
+    >>> holding(Object("block0", block)), holding.lifted(Variable("?b", block))
+    (<Holding(block0)>, <Holding(?b:block)>)
+    """
 
     name: str
     types: tuple[Type, ...]
@@ -149,7 +169,11 @@ EQUAL = Predicate(
 
 @dataclass(frozen=True, slots=True)
 class GroundAtom:
-    """A predicate applied to objects."""
+    """A predicate applied to objects.
+
+    >>> Predicate("HandEmpty", ())()
+    <HandEmpty()>
+    """
 
     predicate: Predicate
     objects: tuple[Object, ...]
@@ -166,7 +190,11 @@ class GroundAtom:
 
 @dataclass(frozen=True, slots=True)
 class LiftedAtom:
-    """A predicate applied to variables (and, in domains with constants, objects)."""
+    """A predicate applied to variables (and, in domains with constants, objects).
+
+    >>> Predicate("HandEmpty", ()).lifted()
+    <HandEmpty()>
+    """
 
     predicate: Predicate
     terms: tuple[Variable | Object, ...]
@@ -189,6 +217,14 @@ class LiftedAtom:
 @dataclass(frozen=True, slots=True)
 class Operator:
     """When something can happen (preconditions) and what it changes (effects), over parameters.
+
+    Printed, it has the notation of the paper.
+
+    >>> block = Type("block")
+    >>> b, holding = Variable("?b", block), Predicate("Holding", (block,))
+    >>> pick = Operator("pick", (b,), frozenset(), frozenset({holding.lifted(b)}), frozenset())
+    >>> pick.ground((Object("block0", block),)).add_effects
+    frozenset({<Holding(block0)>})
 
     Preconditions of either sign may hold atoms of ``EQUAL``; effects may not, nor may any abstract state.
     """
@@ -270,7 +306,13 @@ class Operator:
 
 @dataclass(frozen=True, slots=True)
 class GroundOperator:
-    """An operator with objects; the atom sets are its operator's with the variables replaced."""
+    """An operator with objects; the atom sets are its operator's with the variables replaced.
+
+    ``Operator.ground`` makes one.
+
+    >>> Operator("wait", (), frozenset(), frozenset(), frozenset()).ground(())
+    <wait()>
+    """
 
     operator: Operator
     objects: tuple[Object, ...]
@@ -312,7 +354,12 @@ class GroundOperator:
 
 @dataclass(frozen=True, slots=True)
 class Domain:
-    """Types, constants, predicates and operators: what a PDDL domain file says."""
+    """Types, constants, predicates and operators: what a PDDL domain file says.
+
+    >>> wait = Operator("wait", (), frozenset(), frozenset(), frozenset())
+    >>> Domain("patience", (), (), (wait,))
+    <domain patience: wait>
+    """
 
     name: str
     types: tuple[Type, ...]
@@ -330,7 +377,12 @@ class Domain:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Objects, initial atoms and goal: what a PDDL problem file says. Constants are the domain's."""
+    """Objects, initial atoms and goal: what a PDDL problem file says. Constants are the domain's.
+
+    >>> done = Predicate("Done", ())
+    >>> Problem("p01", (), frozenset(), frozenset({done()}))
+    <problem p01: 0 objects, 1 goal atoms>
+    """
 
     name: str
     objects: tuple[Object, ...]

@@ -16,7 +16,12 @@ from bpns.symbolic.state import Task, Trajectory
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Demonstration:
-    """A trajectory that solves a task; ``labels`` has one entry per action, None where no skill is given."""
+    """A trajectory that solves a task; ``labels`` has one entry per action, None where no skill is given.
+
+    >>> import bpns
+    >>> bpns.collect(bpns.load_environment("cover"), count=1).demonstrations[0]
+    <demonstration of 5 actions, <task: Covers(block0, target0); 9 objects>>
+    """
 
     task_index: int
     task: Task
@@ -29,7 +34,12 @@ class Demonstration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Demonstrations:
-    """What one run of ``collect`` gave; ``failures`` says for each task without demonstration why."""
+    """Demonstrations of one environment; ``failures`` says for each task without one why.
+
+    >>> import bpns
+    >>> len(bpns.collect(bpns.load_environment("cover"), count=3).demonstrations)
+    3
+    """
 
     environment: str  # its name
     seed: int

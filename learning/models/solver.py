@@ -35,6 +35,12 @@ class Outcome:
     """What came of a task: planned, refined and executed, each by itself.
 
     ``found`` is the plan, or why there is none, or what a graph network did in place of a plan.
+    Source: spec, algorithm.md section 9.
+
+    >>> import bpns
+    >>> world = bpns.load_environment("cover")
+    >>> bpns.oracle(world).plan(world.task())
+    <solved: 2 steps, 5 actions>
     """
 
     task: Task

@@ -34,7 +34,13 @@ class Effort:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """An abstract plan and its refinement."""
+    """An abstract plan and its refinement: one step after the other, each with the subgoal that worked.
+
+    >>> import bpns
+    >>> world = bpns.load_environment("cover")
+    >>> bpns.oracle(world).plan(world.task()).plan
+    <plan of 2 steps: Pick(block0, robby); Place(block0, robby, target0)>
+    """
 
     abstract: AbstractPlan
     steps: tuple[RefinedStep, ...]

@@ -16,7 +16,15 @@ WORDS = {
 
 
 def difference_text(difference: Difference) -> str:
-    """Return a line for each operator and each difference, and a summary."""
+    """Return a line for each operator and each difference, and a summary.
+
+    >>> import bpns
+    >>> model = bpns.oracle(bpns.load_environment("cover"))
+    >>> print(bpns.difference_text(bpns.diff(model, model.without("Pick"))))
+    same      Place
+    removed   Pick(?block - block, ?gripper - gripper)
+    operators: 1 same, 0 changed, 1 removed, 0 added
+    """
     lines = [
         *_declared("type", difference.types),
         *_declared("predicate", difference.predicates),

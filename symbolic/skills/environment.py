@@ -30,6 +30,9 @@ class Budget:
 
     The first two are the paper's (N_abstract, N_samples). The others stand in for its wall-clock limit:
     backtracking through a plan of n steps can take samples_per_step to the power of n samples.
+
+    >>> Budget(abstract_plans=8, samples_per_step=10).samples
+    20000
     """
 
     abstract_plans: int
@@ -40,7 +43,7 @@ class Budget:
 
 
 class Environment(Protocol):
-    """A deterministic world with symbols on top.
+    """A deterministic world with symbols on top. Source: spec, common.md.
 
     ``simulate`` is pure; it raises EnvironmentFailure where no next state exists. Actions are float32
     vectors of shape (A,) inside the box ``action_low``..``action_high`` (both (A,) float32).

@@ -18,7 +18,7 @@ class SkillFailure(Exception):
 
 
 class Policy(Protocol):
-    """Turns a subgoal into actions."""
+    """Turns a subgoal into actions: see ``Skill`` for a small one. Source: paper, section 3."""
 
     def begin(self, state: State, objects: tuple[Object, ...], subgoal: Array) -> Controller:
         """Fix the target at the skill's first state; the result maps each following state to an action.
@@ -29,7 +29,17 @@ class Policy(Protocol):
 
 
 class Sampler(Protocol):
-    """Proposes subgoals."""
+    """Proposes subgoals: numbers that say how a skill's effects are to come about.
+
+    >>> class AnyGrip:
+    ...     dimension = 1
+    ...     def sample(self, state, objects, rng):
+    ...         return rng.uniform(-1, 1, 1).astype(np.float32)
+    >>> AnyGrip().sample(None, (), np.random.default_rng(0)).shape
+    (1,)
+
+    Source: paper, section 3.
+    """
 
     @property
     def dimension(self) -> int:
@@ -48,7 +58,11 @@ def never(_: State, __: tuple[Object, ...]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class NoSampler:
-    """For skills without anything to choose."""
+    """For skills without anything to choose.
+
+    >>> NoSampler().dimension
+    0
+    """
 
     dimension: int = 0
 
@@ -63,6 +77,10 @@ class GivenSkill:
 
     ``types`` are those of its own objects. It gets an empty subgoal, and is over when its controller gives
     None. Demonstrations label the actions that it produced. Source: spec, doors.md section 7.
+
+    >>> import bpns
+    >>> bpns.load_environment("doors").environment.given_skills
+    (<given skill MoveToDoor(robot, door)>, <given skill MoveThroughDoor(robot, door)>)
     """
 
     name: str
@@ -99,7 +117,18 @@ class GivenPolicy:
 
 @dataclass(frozen=True, slots=True)
 class Skill:
-    """An operator and how to make it happen.
+    """An operator and how to make it happen. Source: paper, section 3.
+
+    The policy and the sampler get the operator's objects in the order of its parameters.
+
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Stay:
+    ...     def begin(self, state, objects, subgoal):
+    ...         return lambda state: np.zeros(2, np.float32)
+    >>> wait = Operator("wait", (), frozenset(), frozenset(), frozenset())
+    >>> Skill(wait, Stay(), NoSampler(), max_actions=1)
+    <skill <wait()>, 0 numbers in a subgoal>
 
     ``terminal`` says when the skill is over; without it, that is when all effects have happened. Either way
     it is over, too, when its controller gives None.
