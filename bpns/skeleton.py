@@ -131,8 +131,11 @@ class Sorting:
     def simulate(self, state: bpns.State, action: np.ndarray) -> bpns.State:
         """Return the next state. The same state and action must always give the same one.
 
-        Raise bpns.EnvironmentFailure where there is none, such as after a collision.
+        Raise bpns.EnvironmentFailure where there is none, such as after a collision, and ValueError for
+        actions outside the box.
         """
+        if not ((self.action_low <= action) & (action <= self.action_high)).all():
+            raise ValueError(f"action {action.tolist()} is not in the box")
         robot = state.of_type(HAND)[0]
         move, grip = (float(number) for number in action)
         x = state[robot][0] + move
