@@ -3,17 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bpns.envs.cover import (
-    BLOCK,
-    COVERS,
-    ENVIRONMENT,
-    GRIPPER,
-    HAND_EMPTY,
-    IS_HOLDING,
-    TARGET,
-    Cover,
-    simulate,
-)
+from bpns.envs.cover import ENVIRONMENT, Cover
+from bpns.envs.cover.world import BLOCK, COVERS, GRIPPER, HAND_EMPTY, IS_HOLDING, TARGET, simulate
 from bpns.symbolic.skills.environment import abstract, sample_tasks
 from bpns.symbolic.state import State
 from bpns.symbolic.structs import Object

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bpns.envs.doors import ENVIRONMENT, MOVE_THROUGH_DOOR, MOVE_TO_DOOR, MoveToDoor, _motion
+from bpns.envs.doors import ENVIRONMENT
+from bpns.envs.doors.skills import MOVE_THROUGH_DOOR, MOVE_TO_DOOR, MoveToDoor, _motion
 from bpns.envs.doors.world import DOOR, DOOR_IN_ROOM, DOOR_IS_OPEN, IN_DOORWAY, IN_ROOM, ROBOT, TOUCHING_DOOR
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.execution import execute

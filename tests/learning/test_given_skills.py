@@ -11,7 +11,7 @@ import h5py
 import pytest
 
 from bpns import envs
-from bpns.envs.doors import OpenPolicy, OpenSampler
+from bpns.envs.doors.skills import OpenPolicy, OpenSampler
 from bpns.envs.doors.world import DOOR_IS_OPEN, IN_ROOM, TOUCHING_DOOR
 from bpns.learning.data.demonstrations import Demonstrations, collect
 from bpns.learning.data.files import read_demonstrations, write_demonstrations
