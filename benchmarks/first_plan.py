@@ -23,11 +23,11 @@ from bpns import envs
 from bpns.symbolic import planners
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.grounding.ground import GroundProblem, Unreachable, ground
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.read import read_domain, read_problem
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
 from bpns.symbolic.skills.environment import domain_of as environment_domain
 from bpns.symbolic.skills.environment import problem_of, sample_tasks
-from bpns.symbolic.structs import Domain, Problem
 
 
 def domain_of(path: Path) -> Path | None:

@@ -28,7 +28,8 @@ from bpns.learning.graphs.training import (
     choice_loss,
     fit_graph_network,
 )
-from bpns.learning.models.learn import SkillConfig, learn_skills
+from bpns.learning.models.learn import learn_skills
+from bpns.learning.models.settings import SkillConfig
 from bpns.learning.networks.training import Training, fast_small_numbers
 
 CPU = torch.device("cpu")

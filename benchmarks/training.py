@@ -8,13 +8,12 @@ from time import process_time
 import numpy as np
 import torch
 
-from bpns.learning.networks.training import (
-    Training,
+from bpns.learning.networks.losses import (
     binary_cross_entropy,
-    fit,
     gaussian_negative_log_likelihood,
     mean_squared_error,
 )
+from bpns.learning.networks.training import Training, fit
 
 ITERATIONS = 1000
 

@@ -35,6 +35,10 @@ from .symbolic.bilevel.solve import Plan as Plan
 from .symbolic.compare.difference_text import difference_text as difference_text
 from .symbolic.errors import InputError as InputError
 from .symbolic.errors import MissingPackage as MissingPackage
+from .symbolic.operators import Domain as Domain
+from .symbolic.operators import GroundOperator as GroundOperator
+from .symbolic.operators import Operator as Operator
+from .symbolic.operators import Problem as Problem
 from .symbolic.planners.protocol import AbstractPlan as AbstractPlan
 from .symbolic.planners.protocol import Limit as Limit
 from .symbolic.planners.protocol import Planner as Planner
@@ -51,14 +55,10 @@ from .symbolic.skills.skill import SkillFailure as SkillFailure
 from .symbolic.state import State as State
 from .symbolic.state import Task as Task
 from .symbolic.state import Trajectory as Trajectory
-from .symbolic.structs import Domain as Domain
 from .symbolic.structs import GroundAtom as GroundAtom
-from .symbolic.structs import GroundOperator as GroundOperator
 from .symbolic.structs import LiftedAtom as LiftedAtom
 from .symbolic.structs import Object as Object
-from .symbolic.structs import Operator as Operator
 from .symbolic.structs import Predicate as Predicate
-from .symbolic.structs import Problem as Problem
 from .symbolic.structs import Type as Type
 from .symbolic.structs import Variable as Variable
 from .world import World as World

@@ -18,10 +18,10 @@ from bpns.symbolic import planners
 from bpns.symbolic.bilevel.settings import SearchSettings
 from bpns.symbolic.errors import InputError, MissingPackage
 from bpns.symbolic.grounding.ground import OutOfTime, Unreachable, ground
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.planners.protocol import Limit
 from bpns.symbolic.planners.streams import Enumeration, first_plans
 from bpns.symbolic.state import Task
-from bpns.symbolic.structs import Domain, Problem
 
 SECONDS = 60.0  # for each planner, unless somebody says otherwise
 COLUMNS = ("planner", "first plan s", "all s", "plans", "first", "steps")

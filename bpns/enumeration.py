@@ -10,13 +10,13 @@ from bpns.model import Model
 from bpns.symbolic import planners
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.grounding.ground import OutOfTime, Unreachable, ground
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.read import read_domain, read_problem
 from bpns.symbolic.pddl.write import model_names
 from bpns.symbolic.planners.protocol import AbstractPlan, Limit, Planner, SearchRecord
 from bpns.symbolic.planners.streams import loopless
 from bpns.symbolic.skills.environment import problem_of
 from bpns.symbolic.state import Task
-from bpns.symbolic.structs import Domain, Problem
 
 MAX_NODES = 10_000_000  # memory ends about there
 

@@ -14,11 +14,11 @@ from bpns.symbolic.checkers import reports
 from bpns.symbolic.checkers.running import check
 from bpns.symbolic.compare.difference import Difference, compare
 from bpns.symbolic.environment_check import Finding
+from bpns.symbolic.operators import Domain
 from bpns.symbolic.pddl.read import read_domain
 from bpns.symbolic.planners.protocol import About
 from bpns.symbolic.skills import recording
 from bpns.symbolic.skills.recording import Replay
-from bpns.symbolic.structs import Domain
 from bpns.world import World
 
 

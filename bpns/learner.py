@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from importlib.metadata import version
-from typing import Literal
+from typing import Any, Literal
 
 from bpns import __version__
 from bpns.learning import approaches
@@ -56,23 +56,14 @@ def learn(
         raise InputError(f"'{approach}' learns nothing: {chosen.summary}")
     if min_share is not None and not chosen.skills:
         raise InputError(f"'{approach}' learns no operators: leave the least share out")
-    if preset not in ("default", "paper"):
-        raise InputError(f"no preset '{preset}' (have: default, paper)")
     model_names(domain_of(world.environment, ()))  # before minutes of training: will this be fit for PDDL?
-    from bpns.learning.graphs.training import GraphTraining, device_of  # torch: slow to import
-    from bpns.learning.models.learn import SkillConfig
-
-    device = str(device_of(device))
-    config = SkillConfig.paper() if preset == "paper" else SkillConfig()
-    if min_share is not None:
-        config = replace(config, min_share=min_share)
-    graphs = GraphTraining() if preset == "paper" else GraphTraining.fast()
     seed = demonstrations.seed if seed is None else seed
+    how = _settings(preset, min_share, device, seed, workers, progress)
     start, start_cpu = time.perf_counter(), _cpu_seconds()
-    how = Learning(config, graphs, seed, workers, device, progress)
     learned = chosen.learn(world.environment, demonstrations, how)
-    count = len(demonstrations.demonstrations)
+    seconds, cpu_seconds = time.perf_counter() - start, _cpu_seconds() - start_cpu
     name = approach.replace("-", "_")
+    record = _record(demonstrations, how, name, preset, command)
     return Model(
         world=world,
         label=name,
@@ -85,27 +76,59 @@ def learn(
         },
         graph=learned.graph,
         training=learned.fit,
-        run={
-            "command": command,
-            **_versions(),
-            "approach": name,
-            "preset": preset,
-            "settings": asdict(config),
-            "graphs": {**asdict(graphs), "device": device},
-            "seed": seed,
-            "demonstrations": {
-                "seed": demonstrations.seed,
-                "asked": demonstrations.asked,
-                "given": count,
-            },
-            "seconds": round(time.perf_counter() - start, 3),
-            "cpu_seconds": round(_cpu_seconds() - start_cpu, 3),
+        run={**record, "seconds": round(seconds, 3), "cpu_seconds": round(cpu_seconds, 3)},
+        header=_header(world, demonstrations, seed),
+    )
+
+
+def _settings(
+    preset: str,
+    min_share: float | None,
+    device: str,
+    seed: int,
+    workers: int,
+    progress: Callable[[int, int], None],
+) -> Learning:
+    """Return how to learn; raise InputError for a preset that there is not."""
+    from bpns.learning.graphs.training import GraphTraining, device_of  # torch: slow to import
+    from bpns.learning.models.settings import SkillConfig
+
+    if preset not in ("default", "paper"):
+        raise InputError(f"no preset '{preset}' (have: default, paper)")
+    skills = SkillConfig.paper() if preset == "paper" else SkillConfig()
+    if min_share is not None:
+        skills = replace(skills, min_share=min_share)
+    graphs = GraphTraining() if preset == "paper" else GraphTraining.fast()
+    return Learning(skills, graphs, seed, workers, str(device_of(device)), progress)
+
+
+def _record(
+    demonstrations: Demonstrations, how: Learning, approach: str, preset: str, command: str
+) -> dict[str, Any]:
+    """Return what run.json says of a model: what made it, how, and of what."""
+    return {
+        "command": command,
+        **_versions(),
+        "approach": approach,
+        "preset": preset,
+        "settings": asdict(how.skills),
+        "graphs": {**asdict(how.graphs), "device": how.device},
+        "seed": how.seed,
+        "demonstrations": {
+            "seed": demonstrations.seed,
+            "asked": demonstrations.asked,
+            "given": len(demonstrations.demonstrations),
         },
-        header=(
-            f"Skills of environment {world.name}, learned by bpns {__version__} from {count} demonstrations\n"
-            f"(demonstrations of seed {demonstrations.seed}, learning with seed {seed}). You may edit this "
-            "file: keep the\noperators' names and the types of their parameters."
-        ),
+    }
+
+
+def _header(world: World, demonstrations: Demonstrations, seed: int) -> str:
+    """Return what domain.pddl begins with."""
+    return (
+        f"Skills of environment {world.name}, learned by bpns {__version__} from "
+        f"{len(demonstrations.demonstrations)} demonstrations\n"
+        f"(demonstrations of seed {demonstrations.seed}, learning with seed {seed}). You may edit this file: "
+        "keep the\noperators' names and the types of their parameters."
     )
 
 

@@ -19,12 +19,12 @@ from bpns.symbolic import planners
 from bpns.symbolic.bilevel.settings import SearchSettings
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.files import read_json
+from bpns.symbolic.operators import Domain, Operator
 from bpns.symbolic.pddl.write import model_names
 from bpns.symbolic.planners.protocol import Planner
 from bpns.symbolic.skills.environment import Environment, domain_of
 from bpns.symbolic.skills.skill import Skill
 from bpns.symbolic.state import Task
-from bpns.symbolic.structs import Domain, Operator
 from bpns.world import World, load_environment
 
 

@@ -8,9 +8,9 @@ import click
 from bpns.cli._options import json_option, load_subject, oracle_option, overwrite_option
 from bpns.symbolic.compare.description import operator_markdown, operators_json
 from bpns.symbolic.files import check_output
+from bpns.symbolic.operators import Domain
 from bpns.symbolic.pddl.read import read_domain
 from bpns.symbolic.pddl.write import write_domain
-from bpns.symbolic.structs import Domain
 
 
 @click.command()

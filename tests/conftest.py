@@ -6,7 +6,8 @@ from hypothesis import settings
 
 from bpns import envs
 from bpns.learning.data.demonstrations import Demonstrations, collect
-from bpns.learning.models.learn import LearnedSkill, SkillConfig, learn_skills
+from bpns.learning.models.learn import LearnedSkill, learn_skills
+from bpns.learning.models.settings import SkillConfig
 from bpns.learning.networks.training import Training
 
 # No deadline, since machines differ; in CI the same examples each time, elsewhere new ones.

@@ -16,7 +16,12 @@ MAY_IMPORT = {
     "cli": {"cli", "bpns", "envs", "learning", "symbolic"},
 }
 ONLY_IN = {
-    "torch": {"bpns.learning.networks.training", "bpns.learning.graphs.training"},
+    "torch": {
+        "bpns.learning.networks.losses",
+        "bpns.learning.networks.perceptron",
+        "bpns.learning.networks.training",
+        "bpns.learning.graphs.training",
+    },
     "gymnasium": {"bpns.gymnasium"},
     "pyperplan": {"bpns.symbolic.planners.pyperplan"},
     "kairos": {"bpns.symbolic.planners.kairos", "bpns.symbolic.checkers.kairos"},

@@ -10,10 +10,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from PIL import Image
 
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.environment import Budget, Classifier, EnvironmentFailure, Split
 from bpns.symbolic.skills.skill import Controller, NoSampler, Skill
 from bpns.symbolic.state import Array, State, Task
-from bpns.symbolic.structs import GroundAtom, Object, Operator, Predicate, Type, Variable
+from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type, Variable
 
 HAND = Type("hand", ("key", "step"))
 DOOR = Type("door", ("open",))

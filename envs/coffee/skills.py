@@ -50,9 +50,10 @@ from bpns.envs.coffee.world import (
     pour_position,
     squared_distance,
 )
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.skill import Controller, NoSampler, Skill, Terminal
 from bpns.symbolic.state import Array, State
-from bpns.symbolic.structs import LiftedAtom, Object, Operator, Variable
+from bpns.symbolic.structs import LiftedAtom, Object, Variable
 
 Act: TypeAlias = Callable[[State, tuple[Object, ...], Array], Array]
 

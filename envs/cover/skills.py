@@ -25,9 +25,10 @@ from bpns.envs.cover.world import (
     is_hand_empty,
     is_holding,
 )
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.skill import Controller, Skill
 from bpns.symbolic.state import Array, State
-from bpns.symbolic.structs import Object, Operator, Variable
+from bpns.symbolic.structs import Object, Variable
 
 _B, _R, _T = Variable("?block", BLOCK), Variable("?gripper", GRIPPER), Variable("?target", TARGET)
 PICK = Operator(

@@ -33,9 +33,10 @@ from bpns.envs.doors.world import (
     solid_shapes,
 )
 from bpns.envs.shapes2d import Circle, Point, Rectangle, rectangle_meets_circle
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.skill import Controller, GivenSkill, Skill, SkillFailure
 from bpns.symbolic.state import Array, Features, State
-from bpns.symbolic.structs import LiftedAtom, Object, Operator, Variable
+from bpns.symbolic.structs import LiftedAtom, Object, Variable
 
 
 def _position_in_doorway(room: Features, door: Features) -> Point:

@@ -32,9 +32,10 @@ from bpns.envs.stick_button.world import (
     robot_above,
     tip_shape,
 )
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.skill import Controller, NoSampler, Skill, Terminal
 from bpns.symbolic.state import Array, State
-from bpns.symbolic.structs import LiftedAtom, Object, Operator, Variable
+from bpns.symbolic.structs import LiftedAtom, Object, Variable
 
 GRASP_TOLERANCE = 0.001  # squared distance at which the oracle closes its hand
 

@@ -12,7 +12,8 @@ from bpns.symbolic.skills.environment import Environment
 
 if TYPE_CHECKING:  # torch is slow to import, and a list of approaches needs none
     from bpns.learning.graphs.training import GraphTraining
-    from bpns.learning.models.learn import LearnedSkill, SkillConfig
+    from bpns.learning.models.learn import LearnedSkill
+    from bpns.learning.models.settings import SkillConfig
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,7 +22,8 @@ from bpns.symbolic.skills.skill import Label, Skill, never
 from bpns.symbolic.state import Trajectory
 
 if TYPE_CHECKING:  # torch is slow to import, and a list of approaches needs none
-    from bpns.learning.models.learn import Job, SkillConfig
+    from bpns.learning.models.jobs import Job
+    from bpns.learning.models.settings import SkillConfig
     from bpns.learning.networks.network import Array32
 
 ANY_ACTION = Label("any action", ())
@@ -30,14 +31,9 @@ ANY_ACTION = Label("any action", ())
 
 def learn(environment: Environment, data: Demonstrations, how: Learning) -> Learned:
     """Learn operators and samplers of actions; raises InputError where there is nothing to learn."""
-    from bpns.learning.models.learn import (
-        LearnedSkill,
-        fits_of,
-        frequent_operators,
-        sampler_of,
-        shared_out,
-        train,
-    )
+    from bpns.learning.models.jobs import fits_of, sampler_of, train
+    from bpns.learning.models.learn import LearnedSkill, frequent_operators
+    from bpns.learning.models.settings import shared_out
 
     tracker = Tracker(environment)
     by_demonstration = [_segments(tracker, one) for one in data.demonstrations]
@@ -79,7 +75,7 @@ def _jobs(
     operators: Sequence[OperatorData], number: int, config: "SkillConfig", rng: np.random.Generator
 ) -> "list[Job]":
     """Return the networks of an operator's sampler; any other operator's actions may be negatives."""
-    from bpns.learning.models.learn import sampler_jobs
+    from bpns.learning.models.jobs import sampler_jobs
 
     own = operators[number]
     others = [member for other in operators if other is not own for member in other.members]

@@ -9,6 +9,7 @@ from bpns.symbolic import planners
 from bpns.symbolic.bilevel.execution import execute
 from bpns.symbolic.bilevel.exhaustive import exhaustive
 from bpns.symbolic.bilevel.solve import NoPlan, solve
+from bpns.symbolic.planners.streams import with_idle_steps
 from bpns.symbolic.skills.environment import Environment, sample_tasks
 from bpns.symbolic.skills.skill import Label
 from bpns.symbolic.state import Task, Trajectory
@@ -62,7 +63,7 @@ def demonstrate(environment: Environment, seed: int, numbered: tuple[int, Task])
         environment,
         task,
         skills,
-        planners.load("astar"),
+        with_idle_steps(planners.load("astar"), (skill.operator for skill in environment.oracle_skills)),
         environment.budget,
         seed + index + 1,
         strategy=exhaustive,

@@ -11,7 +11,7 @@ from bpns.learning.graphs.network import GraphNetwork, shapes
 from bpns.learning.graphs.reactive import GraphModel
 from bpns.learning.networks.network import Array32
 from bpns.symbolic.errors import InputError
-from bpns.symbolic.structs import Operator
+from bpns.symbolic.operators import Operator
 
 PREFIX = "(graph)."  # no operator is called so
 

@@ -13,7 +13,8 @@ from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy,
 from bpns.learning.graphs.graph import Batch, Graph
 from bpns.learning.graphs.network import EPSILON, ROUNDS, WIDTH, GraphNetwork, shapes
 from bpns.learning.networks.network import Array32
-from bpns.learning.networks.training import Adam, fast_small_numbers
+from bpns.learning.networks.perceptron import Adam
+from bpns.learning.networks.training import fast_small_numbers
 from bpns.symbolic.errors import InputError
 
 Parameters: TypeAlias = dict[str, Tensor]

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from bpns.symbolic.errors import InputError
+from bpns.symbolic.operators import Domain, Operator
 from bpns.symbolic.skills.environment import Environment, domain_of
-from bpns.symbolic.structs import Domain, LiftedAtom, Object, Operator, Variable
+from bpns.symbolic.structs import LiftedAtom, Object, Variable
 
 
 def bind_operators(domain: Domain, environment: Environment, path: Path) -> tuple[Operator, ...]:

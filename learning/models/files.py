@@ -14,9 +14,9 @@ from bpns.learning.graphs.reactive import GraphModel
 from bpns.learning.graphs.saved import GraphEntry
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.files import check_output, read_json
+from bpns.symbolic.operators import Domain
 from bpns.symbolic.skills.environment import Environment
 from bpns.symbolic.skills.skill import Skill
-from bpns.symbolic.structs import Domain
 
 FORMAT = "bpns model 2"
 FILES = ("domain.pddl", "skills.json", "skills.safetensors", "run.json")

@@ -17,11 +17,11 @@ from bpns.learning.networks.policies import Changing, LearnedPolicy, PassThrough
 from bpns.learning.networks.samplers import LearnedSampler
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.files import read_text
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.pddl.read import read_domain
 from bpns.symbolic.pddl.write import model_names
 from bpns.symbolic.skills.environment import Environment, domain_of
 from bpns.symbolic.skills.skill import Policy, Skill, never
-from bpns.symbolic.structs import Operator
 
 
 def read_model(folder: Path, environment: Environment) -> SavedModel:

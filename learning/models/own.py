@@ -6,10 +6,11 @@ from pathlib import Path
 
 from bpns.learning.models.binding import bind_operators
 from bpns.symbolic.errors import InputError
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.plugins import load_foreign
 from bpns.symbolic.skills.environment import Environment, domain_of
 from bpns.symbolic.skills.skill import Skill
-from bpns.symbolic.structs import Operator, sort_atoms
+from bpns.symbolic.structs import sort_atoms
 
 
 def load_skill(name: str, environment: Environment, folders: Sequence[Path] = ()) -> Skill:

@@ -10,6 +10,7 @@ from bpns.symbolic.bilevel.refinement import DeadEnd
 from bpns.symbolic.bilevel.solve import Effort, NoPlan, Plan, solve
 from bpns.symbolic.bilevel.strategy import Strategy
 from bpns.symbolic.planners.protocol import Planner
+from bpns.symbolic.planners.streams import with_idle_steps
 from bpns.symbolic.skills.environment import Budget, Environment
 from bpns.symbolic.skills.skill import Skill
 from bpns.symbolic.state import Array, State, Task
@@ -118,5 +119,6 @@ def attempt(solver: Solver, task: Task, seed: int, deadline: float | None = None
     if solver.graph is not None:
         execution, episode = react(world, task, solver.graph, solver.skills, seed, deadline)
         return Outcome(task, episode, execution)
-    found = solve(world, task, solver.skills, solver.planner, solver.budget, seed, deadline, solver.strategy)
+    planner = with_idle_steps(solver.planner, (skill.operator for skill in solver.skills.values()))
+    found = solve(world, task, solver.skills, planner, solver.budget, seed, deadline, solver.strategy)
     return Outcome(task, found, execute(world, task, found) if isinstance(found, Plan) else None)

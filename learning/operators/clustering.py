@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from bpns.learning.data.segmentation import Segment
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.structs import (
     GroundAtom,
     LiftedAtom,
     Object,
-    Operator,
     Predicate,
     Variable,
     canonical_order,

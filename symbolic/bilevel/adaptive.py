@@ -13,12 +13,12 @@ import numpy as np
 
 from bpns.symbolic.bilevel.feedback import Feedback, Sharing
 from bpns.symbolic.bilevel.refinement import DeadEnd, RefinedStep, carry_out
-from bpns.symbolic.bilevel.strategy import Refined, Search
+from bpns.symbolic.bilevel.strategy import Refined, TaskSearch
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.costs import Costs, Prefix
 from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner
 from bpns.symbolic.skills.rollout import GroundSkill
 from bpns.symbolic.state import State
-from bpns.symbolic.structs import GroundOperator
 
 PROPOSALS = 20  # that are known already, after which a sampler is taken to have no others
 MOST_IN_VAIN = 1000  # plans in a row of which nothing is left to sample, after which there is no hope
@@ -111,7 +111,7 @@ class Adaptive:
     plans: int | None = None  # at most so many abstract plans
     samples: int | None = None  # at most so many of an operator from one state
 
-    def __call__(self, search: Search) -> Refined | None:
+    def __call__(self, search: TaskSearch) -> Refined | None:
         """Return a plan and its refinement; see Strategy."""
         return _Visits(self, search).run()
 
@@ -122,7 +122,7 @@ adaptive = Adaptive()
 class _Visits:
     """One task's candidates, what was reached, and what was learned."""
 
-    def __init__(self, settings: Adaptive, search: Search) -> None:
+    def __init__(self, settings: Adaptive, search: TaskSearch) -> None:
         self.settings = settings
         self.search = search
         self.rng = np.random.default_rng(search.seed)

@@ -3,10 +3,10 @@
 import numpy as np
 
 from bpns.symbolic.bilevel.refinement import Refiner
-from bpns.symbolic.bilevel.strategy import Refined, Search
+from bpns.symbolic.bilevel.strategy import Refined, TaskSearch
 
 
-def exhaustive(search: Search) -> Refined | None:
+def exhaustive(search: TaskSearch) -> Refined | None:
     """Refine one abstract plan after the other, in the planner's order.
 
     Source: Silver et al. 2022, section 4; spec, algorithm.md section 8.

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from math import inf, log
 
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.costs import Costs, Prefix
-from bpns.symbolic.structs import GroundAtom, GroundOperator
+from bpns.symbolic.structs import GroundAtom
 
 
 @dataclass(slots=True)

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.protocol import Limit
 from bpns.symbolic.skills.environment import Environment, holds
 from bpns.symbolic.skills.rollout import Failed, GroundSkill, NotInitiable
 from bpns.symbolic.state import Array, State, Trajectory
-from bpns.symbolic.structs import GroundAtom, GroundOperator, sort_atoms
+from bpns.symbolic.structs import GroundAtom, sort_atoms
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,10 +7,9 @@ from typing import Literal
 
 from bpns.symbolic.bilevel.adaptive import adaptive
 from bpns.symbolic.bilevel.refinement import DeadEnd, RefinedStep, RefinementRecord
-from bpns.symbolic.bilevel.strategy import Search, Stopwatch, Strategy
+from bpns.symbolic.bilevel.strategy import Stopwatch, Strategy, TaskSearch
 from bpns.symbolic.grounding.ground import OutOfTime, Unreachable, ground
 from bpns.symbolic.planners.protocol import AbstractPlan, Limit, Planner, SearchRecord
-from bpns.symbolic.planners.streams import Loopless, WithIdleSteps
 from bpns.symbolic.skills.environment import Budget, Environment, domain_of, problem_of
 from bpns.symbolic.skills.skill import Skill
 from bpns.symbolic.state import Task
@@ -79,7 +78,8 @@ def solve(
 ) -> Plan | NoPlan:
     """Plan for a task: find abstract plans and refine one.
 
-    ``skills`` maps operator names to skills; ``deadline`` is a point of ``time.monotonic``. The ``strategy``
+    ``skills`` maps operator names to skills; the planner is one that is ready for them, see
+    ``with_idle_steps``. ``deadline`` is a point of ``time.monotonic``. The ``strategy``
     decides which plans are refined when, and how hard.
     """
     watch = Stopwatch()
@@ -92,10 +92,7 @@ def solve(
     if isinstance(grounded, OutOfTime):
         return NoPlan("time limit", "time limit reached while grounding", nothing, Counter())
     limit = Limit(budget.nodes, deadline)
-    idle = any(not s.operator.add_effects and not s.operator.delete_effects for s in skills.values())
-    if idle and not isinstance(planner, Loopless):  # an idle step is a loop
-        planner = WithIdleSteps(planner)
-    search = Search(environment, task, skills, planner, grounded, budget, seed, limit, watch)
+    search = TaskSearch(environment, task, skills, planner, grounded, budget, seed, limit, watch)
     refined = strategy(search)
     effort = Effort(
         search.record.nodes_created,

@@ -29,7 +29,7 @@ class Stopwatch:
 
 
 @dataclass(slots=True, eq=False)
-class Search:
+class TaskSearch:
     """A task, the means to solve it, and what was done so far."""
 
     environment: Environment
@@ -56,4 +56,4 @@ class Search:
 
 
 Refined: TypeAlias = tuple[AbstractPlan, tuple[RefinedStep, ...]]
-Strategy: TypeAlias = Callable[[Search], Refined | None]  # None: the search's records say why
+Strategy: TypeAlias = Callable[[TaskSearch], Refined | None]  # None: the search's records say why

@@ -8,10 +8,10 @@ from typing import TypeVar
 
 from bpns.symbolic.checkers.reports import Inputs, PlanSource, Verdict
 from bpns.symbolic.errors import PddlError, UnsupportedPddl
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.plan_fault import first_fault
 from bpns.symbolic.pddl.plan_file import ground_steps
 from bpns.symbolic.pddl.read import MissingRequirement, PddlWarning, parse_domain, parse_problem
-from bpns.symbolic.structs import Domain, Problem
 
 Value = TypeVar("Value")
 

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from typing import Any
 
-from bpns.symbolic.structs import LiftedAtom, Operator, sort_atoms
+from bpns.symbolic.operators import Operator
+from bpns.symbolic.structs import LiftedAtom, sort_atoms
 
 
 def operator_markdown(operator: Operator) -> str:

@@ -11,17 +11,18 @@ import networkx as nx
 from bpns.symbolic.compare.matching import (
     PARTS,
     TYPE,
-    Fact,
+    PlacedAtom,
     atoms_of,
     correspondence,
-    facts_of,
     fingerprint,
     most_in_common,
+    placed_atoms,
     renamed,
     renaming,
     type_name,
 )
-from bpns.symbolic.structs import OBJECT, Domain, LiftedAtom, Operator, Predicate, Variable, sort_atoms
+from bpns.symbolic.operators import Domain, Operator
+from bpns.symbolic.structs import OBJECT, LiftedAtom, Predicate, Variable, sort_atoms
 
 ALIKE = 0.5  # the share of common atoms from which on two operators are one that has changed
 
@@ -111,10 +112,10 @@ def compare(before: Domain, after: Domain) -> Difference:
 
 def _equal_pairs(before: Sequence[Operator], after: Sequence[Operator]) -> dict[int, int]:
     """Return the places of operators that are equal up to renaming; equal names are paired first."""
-    forms = [fingerprint(facts_of(operator)) for operator in before]
+    forms = [fingerprint(placed_atoms(operator)) for operator in before]
     same_form: dict[str, list[int]] = {}
     for j, operator in enumerate(after):
-        same_form.setdefault(fingerprint(facts_of(operator)), []).append(j)
+        same_form.setdefault(fingerprint(placed_atoms(operator)), []).append(j)
     pairs: dict[int, int] = {}
     for named in (True, False):
         for i, operator in enumerate(before):
@@ -145,7 +146,7 @@ def _similar_pairs(
 
 def _similarity(before: Operator, after: Operator) -> float:
     """Return the share of atoms that two operators have in common: 0 to 1, or 0 if below ALIKE."""
-    first, second = facts_of(before), facts_of(after)
+    first, second = placed_atoms(before), placed_atoms(after)
     total = len(first) - len(before.parameters) + len(second) - len(after.parameters)
     if 2 * most_in_common(first, second) < ALIKE * max(total, 1):
         return 0.0
@@ -157,7 +158,7 @@ def _pair(before: Operator, after: Operator) -> OperatorPair:
     exact = renaming(before, after)
     places = correspondence(before, after) if exact is None else exact
     backwards = {other: place for place, other in places.items()}
-    common = renamed(facts_of(before), places) & facts_of(after)
+    common = renamed(placed_atoms(before), places) & placed_atoms(after)
     kept = renamed(common, backwards)
     parameters = [(before.parameters[p], after.parameters[q]) for p, q in sorted(places.items())]
     changes = []
@@ -176,10 +177,10 @@ def _pair(before: Operator, after: Operator) -> OperatorPair:
     )
 
 
-def _others(operator: Operator, part: str, common: frozenset[Fact]) -> tuple[LiftedAtom, ...]:
-    """Return the atoms of one part that are not among the common facts."""
+def _others(operator: Operator, part: str, common: frozenset[PlacedAtom]) -> tuple[LiftedAtom, ...]:
+    """Return the atoms of one part that are not in common."""
     atoms = atoms_of(operator).items()
-    return tuple(sort_atoms(atom for fact, atom in atoms if fact[0] == part and fact not in common))
+    return tuple(sort_atoms(atom for placed, atom in atoms if placed[0] == part and placed not in common))
 
 
 # ------------------------------------------------------------------- types, predicates, constants

@@ -5,7 +5,8 @@ from typing import Any
 
 from bpns.symbolic.compare.description import atom_text, atoms_json, operators_json
 from bpns.symbolic.compare.difference import Difference, NameChange, OperatorPair
-from bpns.symbolic.structs import Operator, Variable
+from bpns.symbolic.operators import Operator
+from bpns.symbolic.structs import Variable
 
 WORDS = {
     "preconditions": "precondition",

@@ -10,7 +10,7 @@ import numpy as np
 from bpns.symbolic.compare.layout import Array, Size, lay_out
 from bpns.symbolic.errors import InputError, MissingPackage
 from bpns.symbolic.files import replacing
-from bpns.symbolic.structs import Operator
+from bpns.symbolic.operators import Operator
 
 try:
     import matplotlib

@@ -6,7 +6,8 @@ from itertools import combinations, product
 import networkx as nx
 from networkx.utils import UnionFind
 
-from bpns.symbolic.structs import LiftedAtom, Object, Operator, Variable
+from bpns.symbolic.operators import Operator
+from bpns.symbolic.structs import LiftedAtom, Object, Variable
 
 
 def enabling_graph(operators: Sequence[Operator]) -> "nx.DiGraph[str]":

@@ -6,34 +6,35 @@ from dataclasses import dataclass, field
 
 import networkx as nx
 
-from bpns.symbolic.structs import EQUAL, LiftedAtom, Operator, Type, Variable
+from bpns.symbolic.operators import Operator
+from bpns.symbolic.structs import EQUAL, LiftedAtom, Type, Variable
 
 PARTS = ("preconditions", "negative_preconditions", "add_effects", "delete_effects")
-TYPE = "type"  # the part of facts that say a parameter's type
+TYPE = "type"  # the part of placed atoms that say a parameter's type
 MAX_TRIES = 20_000  # pairs of parameters, in the search for the best correspondence of two operators
 
-Fact = tuple[str, str, tuple[int | str, ...]]
+PlacedAtom = tuple[str, str, tuple[int | str, ...]]
 """Part, predicate (or type), arguments: places of parameters, names of constants; all in lower case."""
 Places = Mapping[int, int]
 """Places of the first operator's parameters -> places of the second's."""
 
 
-def facts_of(operator: Operator) -> frozenset[Fact]:
+def placed_atoms(operator: Operator) -> frozenset[PlacedAtom]:
     """Return all that an operator says, its parameters' types included, without their names."""
     types = {(TYPE, type_name(v.type), (place,)) for place, v in enumerate(operator.parameters)}
     return frozenset(types | atoms_of(operator).keys())
 
 
-def atoms_of(operator: Operator) -> dict[Fact, LiftedAtom]:
-    """Return an operator's atoms by the facts that they are."""
+def atoms_of(operator: Operator) -> dict[PlacedAtom, LiftedAtom]:
+    """Return an operator's atoms by part, name and terms."""
     places = {v.name.lower(): place for place, v in enumerate(operator.parameters)}
 
-    def fact(part: str, atom: LiftedAtom) -> Fact:
+    def placed(part: str, atom: LiftedAtom) -> PlacedAtom:
         names = [(t, t.name.lower()) for t in atom.terms]
         terms = tuple(places[name] if isinstance(t, Variable) else name for t, name in names)
         return part, atom.predicate.name.lower(), _ordered(atom.predicate.name, terms)
 
-    return {fact(part, atom): atom for part in PARTS for atom in getattr(operator, part)}
+    return {placed(part, atom): atom for part in PARTS for atom in getattr(operator, part)}
 
 
 def type_name(kind: Type) -> str:
@@ -47,11 +48,11 @@ def _ordered(predicate: str, terms: tuple[int | str, ...]) -> tuple[int | str, .
     return tuple(sorted(terms, key=repr)) if predicate == EQUAL.name else terms
 
 
-def renamed(facts: frozenset[Fact], places: Places) -> frozenset[Fact]:
-    """Return facts with the places of parameters replaced, without those where a place has no image."""
+def renamed(placed: frozenset[PlacedAtom], places: Places) -> frozenset[PlacedAtom]:
+    """Return placed atoms with other places of parameters, without those where a place has no image."""
     return frozenset(
         (part, name, _ordered(name, tuple(places[t] if isinstance(t, int) else t for t in terms)))
-        for part, name, terms in facts
+        for part, name, terms in placed
         if all(t in places for t in terms if isinstance(t, int))
     )
 
@@ -59,9 +60,9 @@ def renamed(facts: frozenset[Fact], places: Places) -> frozenset[Fact]:
 # ----------------------------------------------------------------------------- equal up to renaming
 
 
-def fingerprint(facts: frozenset[Fact]) -> str:
-    """Return a text that facts which are equal up to renaming share, and others hardly ever."""
-    return " ".join(sorted(colour for _, colour in _graph(facts).nodes(data="colour")))
+def fingerprint(placed: frozenset[PlacedAtom]) -> str:
+    """Return a text that placed atoms which are equal up to renaming share, and others hardly ever."""
+    return " ".join(sorted(colour for _, colour in _graph(placed).nodes(data="colour")))
 
 
 def renaming(first: Operator, second: Operator) -> dict[int, int] | None:
@@ -69,31 +70,31 @@ def renaming(first: Operator, second: Operator) -> dict[int, int] | None:
 
     Parameters keep their names, or else their places, where they can.
     """
-    facts, wanted = facts_of(first), facts_of(second)
+    placed, wanted = placed_atoms(first), placed_atoms(second)
     places = {v.name.lower(): place for place, v in enumerate(second.parameters)}
     by_name = [places.get(v.name.lower(), -1) for v in first.parameters]
-    if len(facts) != len(wanted) or len(by_name) != len(places):
+    if len(placed) != len(wanted) or len(by_name) != len(places):
         return None
     for attempt in (by_name, range(len(places))):
         found = dict(enumerate(attempt))
-        if renamed(facts, found) == wanted:
+        if renamed(placed, found) == wanted:
             return found
-    one, other = _graph(facts), _graph(wanted)
+    one, other = _graph(placed), _graph(wanted)
     nodes = nx.vf2pp_isomorphism(one, other, node_label="colour")
     if nodes is None:
         return None
     return {place: nodes[place] for place in range(len(places))}
 
 
-def _graph(facts: frozenset[Fact]) -> "nx.Graph[int]":
-    """Return facts as a coloured graph: isomorphic graphs are facts that are equal up to renaming.
+def _graph(placed: frozenset[PlacedAtom]) -> "nx.Graph[int]":
+    """Return placed atoms as a coloured graph: isomorphic graphs are equal up to renaming.
 
-    A parameter's node has its place for a number. A fact's node is joined to its arguments' nodes (one for
+    A parameter's node has its place for a number. An atom's node is joined to its arguments' nodes (one for
     each position), these to the parameters. Weisfeiler-Lehman colours leave few nodes to choose from.
     """
     graph: nx.Graph[int] = nx.Graph()
-    graph.add_nodes_from(range(sum(part == TYPE for part, _, _ in facts)), label="parameter")
-    for part, name, terms in sorted(facts, key=repr):
+    graph.add_nodes_from(range(sum(part == TYPE for part, _, _ in placed)), label="parameter")
+    for part, name, terms in sorted(placed, key=repr):
         constants = [t if isinstance(t, str) else "" for t in _ordered(name, terms)]
         owner = len(graph)
         graph.add_node(owner, label=repr((part, name, constants)))
@@ -113,34 +114,34 @@ def _graph(facts: frozenset[Fact]) -> "nx.Graph[int]":
 # --------------------------------------------------------------------------- as equal as can be
 
 
-def most_in_common(first: frozenset[Fact], second: frozenset[Fact]) -> int:
+def most_in_common(first: frozenset[PlacedAtom], second: frozenset[PlacedAtom]) -> int:
     """Return a number of atoms that two operators share at most, whatever the renaming."""
     return (_kinds(first) & _kinds(second)).total()
 
 
-def _kinds(facts: frozenset[Fact]) -> Counter[tuple[str, str]]:
-    return Counter((part, name) for part, name, _ in facts if part != TYPE)
+def _kinds(placed: frozenset[PlacedAtom]) -> Counter[tuple[str, str]]:
+    return Counter((part, name) for part, name, _ in placed if part != TYPE)
 
 
 def correspondence(first: Operator, second: Operator) -> dict[int, int]:
-    """Return pairs of parameters under which two operators share most facts; equal names decide ties.
+    """Return pairs of parameters under which two operators share most placed atoms; equal names decide ties.
 
     A search with bounds. After MAX_TRIES the best pairs so far are taken: for operators with many parameters
     that are alike these may not be the best.
     """
-    search = _Search.of(first, second)
+    search = _Matching.of(first, second)
     search.run(0, {}, 0, 0)
     return search.best
 
 
 @dataclass(slots=True)
-class _Search:
-    """Assigns the first operator's parameters in ``order``, those with most facts first."""
+class _Matching:
+    """Assigns the first operator's parameters in ``order``, those in most placed atoms first."""
 
     order: list[int]
-    decided: list[list[Fact]]  # by depth: the facts whose last parameter is assigned there
-    wanted: frozenset[Fact]
-    possible: list[int]  # by depth: facts that can still be shared after it
+    decided: list[list[PlacedAtom]]  # by depth: the placed atoms whose last parameter is assigned there
+    wanted: frozenset[PlacedAtom]
+    possible: list[int]  # by depth: placed atoms that can still be shared after it
     candidates: dict[int, list[int]]  # for each parameter, the most similar first
     names: set[tuple[int, int]]  # parameters with one name
     best: dict[int, int] = field(default_factory=dict)
@@ -149,9 +150,9 @@ class _Search:
     complete: bool = False  # whether every parameter has been considered once
 
     @classmethod
-    def of(cls, first: Operator, second: Operator) -> "_Search":
-        facts, wanted = facts_of(first), facts_of(second)
-        mine, others = _roles(facts), _roles(wanted)
+    def of(cls, first: Operator, second: Operator) -> "_Matching":
+        placed, wanted = placed_atoms(first), placed_atoms(second)
+        mine, others = _roles(placed), _roles(wanted)
         names = {
             (place, other)
             for place, a in enumerate(first.parameters)
@@ -165,11 +166,11 @@ class _Search:
             fit = [other for other in alike if alike[other] or (place, other) in names]
             candidates[place] = sorted(fit, key=lambda o: (-alike[o], (place, o) not in names, o))
         depth = {place: number for number, place in enumerate(order)}
-        decided: list[list[Fact]] = [[] for _ in order]
-        for fact in sorted(facts, key=repr):
-            numbers = [depth[t] for t in fact[2] if isinstance(t, int)]
+        decided: list[list[PlacedAtom]] = [[] for _ in order]
+        for atom in sorted(placed, key=repr):
+            numbers = [depth[t] for t in atom[2] if isinstance(t, int)]
             if numbers:
-                decided[max(numbers)].append(fact)
+                decided[max(numbers)].append(atom)
         kinds = Counter((part, name) for part, name, _ in wanted)
         possible = []
         for number in range(len(order) + 1):
@@ -201,10 +202,10 @@ class _Search:
                 self.run(depth + 1, after, shared + gain, named)
 
 
-def _roles(facts: frozenset[Fact]) -> dict[int, Counter[tuple[str, str, int]]]:
+def _roles(placed: frozenset[PlacedAtom]) -> dict[int, Counter[tuple[str, str, int]]]:
     """Return how often each parameter stands where in what."""
     roles: dict[int, Counter[tuple[str, str, int]]] = {}
-    for part, name, terms in facts:
+    for part, name, terms in placed:
         for position, term in enumerate(terms):
             if isinstance(term, int):
                 roles.setdefault(term, Counter())[part, name, position] += 1

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from typing import cast
 
-from bpns.symbolic.environment_check import attributes, behaviour, plans
+from bpns.symbolic.environment_check import attributes, behaviour, plans, tasks
 from bpns.symbolic.environment_check.findings import Finding, Remarks, raised
 from bpns.symbolic.skills.environment import Environment
 
@@ -12,12 +12,12 @@ __all__ = ["Finding", "check"]
 # What each check needs: attributes, and earlier checks, that have no fault.
 _TASKS = ("sample_task", "types", "classifiers", "goal_predicates")
 _BEHAVIOUR: Mapping[str, tuple[Callable[[Environment, int, int], Remarks], tuple[str, ...]]] = {
-    "tasks": (behaviour.tasks, _TASKS),
-    "object names": (behaviour.object_names, ("tasks", "names")),
+    "tasks": (tasks.tasks, _TASKS),
+    "object names": (tasks.object_names, ("tasks", "names")),
     "simulate": (behaviour.simulate, ("simulate", "tasks", "action_low", "action_high")),
     "refusals": (behaviour.refusals, ("simulate", "tasks", "action_low", "action_high")),
     "classifiers": (behaviour.classifiers, ("tasks", "symbols")),
-    "goals": (behaviour.goals, ("tasks", "classifiers")),
+    "goals": (tasks.goals, ("tasks", "classifiers")),
     "oracle plans": (
         plans.oracle_plans,
         ("names", "tasks", "simulate", "classifiers", "horizon", "rollout_limit", "budget"),
@@ -27,7 +27,7 @@ _BEHAVIOUR: Mapping[str, tuple[Callable[[Environment, int, int], Remarks], tuple
 }
 
 
-def check(subject: object, tasks: int = 5, seed: int = 0) -> Iterator[Finding]:
+def check(subject: object, count: int = 5, seed: int = 0) -> Iterator[Finding]:
     """Yield what each check of an environment finds: its faults and warnings, or that it is fine.
 
     ``subject`` is whatever is meant as an environment; exceptions that it raises become faults. Checks that
@@ -42,7 +42,7 @@ def check(subject: object, tasks: int = 5, seed: int = 0) -> Iterator[Finding]:
         "names", ("name", "types", "classifiers", "oracle_skills", "symbols"), names, subject, faulty
     )
     for name, (function, needs) in _BEHAVIOUR.items():
-        remarks = function(cast(Environment, subject), tasks, seed)
+        remarks = function(cast(Environment, subject), count, seed)
         yield from _run(name, needs, remarks, subject, faulty)
 
 

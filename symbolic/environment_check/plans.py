@@ -12,6 +12,7 @@ from bpns.symbolic.bilevel.refinement import RefinedStep
 from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
 from bpns.symbolic.environment_check.behaviour import classifier_fault, transition
 from bpns.symbolic.environment_check.findings import Remark, Remarks, fault, kind_of
+from bpns.symbolic.planners.streams import with_idle_steps
 from bpns.symbolic.skills.environment import Environment, sample_tasks
 from bpns.symbolic.skills.rollout import Rollout
 from bpns.symbolic.state import Array, Task
@@ -25,7 +26,8 @@ def oracle_plans(environment: Environment, count: int, seed: int) -> Remarks:
     if not skills:
         yield Remark("warning", "there are no oracle skills: no demonstrations can be made")
         return ""
-    planner, deadline = planners.load("astar"), monotonic() + SECONDS
+    planner = with_idle_steps(planners.load("astar"), (skill.operator for skill in skills.values()))
+    deadline = monotonic() + SECONDS
     unsolved: list[str] = []
     used: set[str] = set()
     for number, task in enumerate(sample_tasks(environment, "train", count, seed)):

@@ -7,7 +7,7 @@ from typing import overload
 
 from bpns.symbolic.grounding.joining import (
     Clock,
-    Fact,
+    NumberedAtom,
     Objects,
     Pattern,
     Relations,
@@ -16,15 +16,8 @@ from bpns.symbolic.grounding.joining import (
     prepare,
     unify,
 )
-from bpns.symbolic.structs import (
-    Domain,
-    GroundAtom,
-    GroundOperator,
-    Object,
-    Problem,
-    canonical_order,
-    sort_atoms,
-)
+from bpns.symbolic.operators import Domain, GroundOperator, Problem
+from bpns.symbolic.structs import GroundAtom, Object, canonical_order, sort_atoms
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,11 +82,11 @@ def _usable(domain: Domain, problem: Problem, clock: Clock) -> tuple[GroundOpera
     """Return the ground operators that are reachable when deletions and negations are ignored."""
     objects = Objects(canonical_order((*domain.constants, *problem.objects)))
     added = {atom.predicate.name for operator in domain.operators for atom in operator.add_effects}
-    init = _facts(problem.init, objects)
+    init = _numbered(problem.init, objects)
     relations, queue = Relations(), deque(f for f in init if f[0] in added)
-    for fact in init:
-        if fact[0] not in added:
-            relations.add(fact)
+    for atom in init:
+        if atom[0] not in added:
+            relations.add(atom)
     reached = set(init)
     found: dict[tuple[str, tuple[Object, ...]], GroundOperator] = {}
 
@@ -105,12 +98,12 @@ def _usable(domain: Domain, problem: Problem, clock: Clock) -> tuple[GroundOpera
             return
         found[key] = pattern.operator.ground(arguments)
         for name, terms in pattern.adds:
-            fact = (name, tuple(binding[term] if term >= 0 else -1 - term for term in terms))
-            if fact not in reached:
-                reached.add(fact)
-                queue.append(fact)
+            atom = (name, tuple(binding[term] if term >= 0 else -1 - term for term in terms))
+            if atom not in reached:
+                reached.add(atom)
+                queue.append(atom)
 
-    triggers: dict[str, list[tuple[Pattern, Fact, tuple[Fact, ...]]]] = defaultdict(list)
+    triggers: dict[str, list[tuple[Pattern, NumberedAtom, tuple[NumberedAtom, ...]]]] = defaultdict(list)
     for operator in domain.operators:
         pattern = prepare(operator, objects)
         if pattern is None:
@@ -123,17 +116,17 @@ def _usable(domain: Domain, problem: Problem, clock: Clock) -> tuple[GroundOpera
             for binding in bindings(pattern, pattern.needs, [-1] * len(pattern.fits), relations, clock):
                 keep(pattern, binding)
     while queue:
-        fact = queue.popleft()
-        relations.add(fact)
-        for pattern, need, rest in triggers[fact[0]]:
-            start = unify(pattern, need[1], fact[1], [-1] * len(pattern.fits))
+        atom = queue.popleft()
+        relations.add(atom)
+        for pattern, need, rest in triggers[atom[0]]:
+            start = unify(pattern, need[1], atom[1], [-1] * len(pattern.fits))
             if start is not None:
                 for binding in bindings(pattern, rest, start, relations, clock):
                     keep(pattern, binding)
     return tuple(found.values())
 
 
-def _facts(atoms: Iterable[GroundAtom], objects: Objects) -> list[Fact]:
+def _numbered(atoms: Iterable[GroundAtom], objects: Objects) -> list[NumberedAtom]:
     """Return atoms as numbers, in a fixed order."""
     return sorted((a.predicate.name, tuple(map(objects.number, a.objects))) for a in atoms)
 

@@ -15,42 +15,42 @@ Heuristic: TypeAlias = Callable[[int], float]
 
 
 class Relaxed:
-    """The relaxed problem as lists: facts are atoms by number, then 'always true', then 'goal'."""
+    """The relaxed problem as lists: atoms by number, then 'always true' and 'goal' as two more."""
 
     def __init__(self, problem: CompiledProblem) -> None:
         self.true = len(problem.atoms)
         self.goal = self.true + 1
-        self.facts = self.true + 2
+        self.atoms = self.true + 2
         self.preconditions = [bits(o.preconditions) or [self.true] for o in problem.operators]
         self.preconditions.append(bits(problem.goal) or [self.true])
         self.effects = [bits(o.add & ~o.preconditions) for o in problem.operators] + [[self.goal]]
         self.costs = [1.0] * len(problem.operators) + [0.0]
         self.missing = [len(p) for p in self.preconditions]
-        self.users: list[list[int]] = [[] for _ in range(self.facts)]
-        for number, facts in enumerate(self.preconditions):
-            for fact in facts:
-                self.users[fact].append(number)
+        self.users: list[list[int]] = [[] for _ in range(self.atoms)]
+        for number, atoms in enumerate(self.preconditions):
+            for atom in atoms:
+                self.users[atom].append(number)
 
     def start(self, state: int) -> list[int]:
-        """Return the facts of a state."""
+        """Return the atoms of a state."""
         return [*bits(state), self.true]
 
     def sums(self, state: int) -> tuple[list[float], list[int]]:
-        """Return each fact's cost and achiever, where several facts cost the sum of each one's cost."""
-        value = [inf] * self.facts
-        achiever = [-1] * self.facts
+        """Return each atom's cost and achiever, where several atoms cost the sum of each one's cost."""
+        value = [inf] * self.atoms
+        achiever = [-1] * self.atoms
         missing = self.missing.copy()
         sums = self.costs.copy()
         heap: list[tuple[float, int]] = []
-        for fact in self.start(state):
-            value[fact] = 0
-            heap.append((0, fact))
+        for atom in self.start(state):
+            value[atom] = 0
+            heap.append((0, atom))
         heap.sort()
         while heap:
-            cost, fact = heappop(heap)
-            if cost > value[fact]:
+            cost, atom = heappop(heap)
+            if cost > value[atom]:
                 continue
-            for number in self.users[fact]:
+            for number in self.users[atom]:
                 missing[number] -= 1
                 sums[number] += cost
                 if missing[number]:
@@ -103,7 +103,7 @@ class LmCut:
     def __init__(self, problem: CompiledProblem) -> None:
         self.relaxed = Relaxed(problem)
         self.landmarks: dict[int, tuple[frozenset[int], ...]] = {}  # state -> found so far; mostly shared
-        self.achievers: list[list[int]] = [[] for _ in range(self.relaxed.facts)]
+        self.achievers: list[list[int]] = [[] for _ in range(self.relaxed.atoms)]
         for number, effects in enumerate(self.relaxed.effects):
             for effect in effects:
                 self.achievers[effect].append(number)
@@ -143,22 +143,22 @@ class LmCut:
                 free[number] = 1
 
     def _levels(self, state: int, free: bytearray) -> tuple[list[float], list[int]]:
-        """Return each fact's cost, that of several being the highest, and how many each operator lacks.
+        """Return each atom's cost, that of several being the highest, and how many each operator lacks.
 
         Ends once the goal is free.
         """
         relaxed = self.relaxed
-        level = [inf] * relaxed.facts
+        level = [inf] * relaxed.atoms
         missing = relaxed.missing.copy()
         now, cost = relaxed.start(state), 0
-        for fact in now:
-            level[fact] = 0
+        for atom in now:
+            level[atom] = 0
         while now and level[relaxed.goal]:
             later: list[int] = []
-            for fact in now:  # which grows meanwhile
-                if level[fact] < cost:
+            for atom in now:  # which grows meanwhile
+                if level[atom] < cost:
                     continue
-                for number in relaxed.users[fact]:
+                for number in relaxed.users[atom]:
                     missing[number] -= 1
                     if missing[number]:
                         continue
@@ -177,33 +177,33 @@ class LmCut:
         choose alike, each set holds fewer of them and there are more sets.
         """
         supporter = [-1] * len(missing)
-        for fact in sorted((f for f in range(len(level)) if level[f] < inf), key=level.__getitem__):
-            for number in self.relaxed.users[fact]:
-                supporter[number] = fact
-        return [-1 if lacks else fact for lacks, fact in zip(missing, supporter, strict=True)]
+        for atom in sorted((f for f in range(len(level)) if level[f] < inf), key=level.__getitem__):
+            for number in self.relaxed.users[atom]:
+                supporter[number] = atom
+        return [-1 if lacks else atom for lacks, atom in zip(missing, supporter, strict=True)]
 
     def _zone(self, supporter: list[int], free: bytearray) -> set[int]:
-        """Return the facts from which the goal follows at no cost."""
+        """Return the atoms from which the goal follows at no cost."""
         stack = [self.relaxed.goal]
         zone = set(stack)
         while stack:
             for number in self.achievers[stack.pop()]:
-                fact = supporter[number]
-                if fact >= 0 and free[number] and fact not in zone:
-                    zone.add(fact)
-                    stack.append(fact)
+                atom = supporter[number]
+                if atom >= 0 and free[number] and atom not in zone:
+                    zone.add(atom)
+                    stack.append(atom)
         return zone
 
     def _cut(self, state: int, supporter: list[int], zone: set[int]) -> frozenset[int]:
-        """Return the operators that lead from the facts reached outside the zone into it."""
+        """Return the operators that lead from the atoms reached outside the zone into it."""
         relaxed = self.relaxed
         stack = relaxed.start(state)
         seen = set(stack)
         cut = []
         while stack:
-            fact = stack.pop()
-            for number in relaxed.users[fact]:
-                if supporter[number] != fact:
+            atom = stack.pop()
+            for number in relaxed.users[atom]:
+                if supporter[number] != atom:
                     continue
                 effects = relaxed.effects[number]
                 if not zone.isdisjoint(effects):

@@ -5,15 +5,17 @@ Parameters that must be equal share a slot, so that a positive equality costs no
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import monotonic
 from typing import TypeAlias
 
-from bpns.symbolic.structs import EQUAL, LiftedAtom, Object, Operator, Type, Variable
+from bpns.symbolic.operators import Operator
+from bpns.symbolic.structs import EQUAL, LiftedAtom, Object, Type, Variable
 
+Term: TypeAlias = Variable | Object
 Row: TypeAlias = tuple[int, ...]  # terms of a lifted atom, or the objects of a ground one
-Fact: TypeAlias = tuple[str, Row]  # with its predicate's name
+NumberedAtom: TypeAlias = tuple[str, Row]  # with its predicate's name
 _FREE = -1  # in a binding: a slot that is not filled yet
 _TICKS = 256  # between two looks at the clock
 
@@ -44,8 +46,8 @@ class Pattern:
 
     operator: Operator
     arguments: Row  # a term for each parameter
-    needs: tuple[Fact, ...]  # the preconditions
-    adds: tuple[Fact, ...]
+    needs: tuple[NumberedAtom, ...]  # the preconditions
+    adds: tuple[NumberedAtom, ...]
     fits: tuple[frozenset[int], ...]  # the objects that may fill each slot
     different: tuple[tuple[int, int], ...]  # terms that must not be the same object
 
@@ -73,26 +75,14 @@ class Objects:
 
 def prepare(operator: Operator, objects: Objects) -> Pattern | None:
     """Return an operator as a pattern; None if its types and equalities leave no way to use it."""
-    leader: dict[Variable | Object, Variable | Object] = {}
+    leader = _leaders(operator)
+    if leader is None:
+        return None
 
-    def find(term: Variable | Object) -> Variable | Object:
-        while term in leader:
-            term = leader[term]
-        return term
-
-    for atom in operator.preconditions:
-        if atom.predicate.name == EQUAL.name:
-            one, two = map(find, atom.terms)
-            if one != two and isinstance(one, Object):
-                one, two = two, one
-            if one != two and isinstance(one, Object):
-                return None  # two different objects
-            if one != two:
-                leader[one] = two
-    slots: dict[Variable | Object, int] = {}
+    slots: dict[Term, int] = {}
     fits: list[frozenset[int]] = []
     for variable in operator.parameters:
-        kind, first = objects.of(variable.type), find(variable)
+        kind, first = objects.of(variable.type), _leading(variable, leader)
         if isinstance(first, Object):
             slots[first] = -1 - objects.number(first)
             if -1 - slots[first] not in kind:
@@ -103,11 +93,11 @@ def prepare(operator: Operator, objects: Objects) -> Pattern | None:
             slots[first] = len(fits)
             fits.append(kind)
 
-    def term_of(term: Variable | Object) -> int:
-        first = find(term)
+    def term_of(term: Term) -> int:
+        first = _leading(term, leader)
         return -1 - objects.number(first) if isinstance(first, Object) else slots[first]
 
-    def facts(atoms: frozenset[LiftedAtom]) -> tuple[Fact, ...]:
+    def numbered(atoms: frozenset[LiftedAtom]) -> tuple[NumberedAtom, ...]:
         kept = (a for a in atoms if a.predicate.name != EQUAL.name)
         return tuple(sorted({(a.predicate.name, tuple(map(term_of, a.terms))) for a in kept}))
 
@@ -118,25 +108,47 @@ def prepare(operator: Operator, objects: Objects) -> Pattern | None:
     return Pattern(
         operator,
         tuple(map(term_of, operator.parameters)),
-        facts(operator.preconditions),
-        facts(operator.add_effects),
+        numbered(operator.preconditions),
+        numbered(operator.add_effects),
         tuple(fits),
         tuple((one, two) for one, two in different if one >= 0 or two >= 0),
     )
+
+
+def _leaders(operator: Operator) -> dict[Term, Term] | None:
+    """Return for terms that must be equal to another which one to take; None where two objects would be."""
+    leader: dict[Term, Term] = {}
+
+    for atom in operator.preconditions:
+        if atom.predicate.name == EQUAL.name:
+            one, two = (_leading(term, leader) for term in atom.terms)
+            if one != two and isinstance(one, Object):
+                one, two = two, one
+            if one != two and isinstance(one, Object):
+                return None
+            if one != two:
+                leader[one] = two
+    return leader
+
+
+def _leading(term: Term, leader: Mapping[Variable | Object, Variable | Object]) -> Variable | Object:
+    while term in leader:
+        term = leader[term]
+    return term
 
 
 class Relations:
     """The atoms reached so far, found by predicate, or by predicate and one object at one place."""
 
     def __init__(self) -> None:
-        self._known: set[Fact] = set()
+        self._known: set[NumberedAtom] = set()
         self._all: dict[str, list[Row]] = defaultdict(list)
         self._at: dict[tuple[str, int, int], list[Row]] = defaultdict(list)
 
-    def add(self, fact: Fact) -> None:
+    def add(self, atom: NumberedAtom) -> None:
         """Remember an atom."""
-        name, row = fact
-        self._known.add(fact)
+        name, row = atom
+        self._known.add(atom)
         self._all[name].append(row)
         for place, obj in enumerate(row):
             self._at[name, place, obj].append(row)
@@ -182,7 +194,7 @@ def _differ(pattern: Pattern, binding: list[int]) -> bool:
 
 
 def bindings(
-    pattern: Pattern, needs: tuple[Fact, ...], start: list[int], relations: Relations, clock: Clock
+    pattern: Pattern, needs: tuple[NumberedAtom, ...], start: list[int], relations: Relations, clock: Clock
 ) -> Iterator[list[int]]:
     """Yield every way to match the needs, those with few candidates first, and to fill what is left."""
     stack = [(start, needs)]
@@ -213,8 +225,8 @@ def bindings(
 
 
 def _still_open(
-    waiting: tuple[Fact, ...], binding: list[int], relations: Relations
-) -> list[tuple[Fact, Sequence[Row]]] | None:
+    waiting: tuple[NumberedAtom, ...], binding: list[int], relations: Relations
+) -> list[tuple[NumberedAtom, Sequence[Row]]] | None:
     """Return the needs that have free slots, with the atoms that may match; None where one is never met."""
     found = []
     for need in waiting:
@@ -230,7 +242,9 @@ def _still_open(
     return found
 
 
-def _fewest(needs: list[tuple[Fact, Sequence[Row]]]) -> tuple[Sequence[Row], Row, tuple[Fact, ...]]:
+def _fewest(
+    needs: list[tuple[NumberedAtom, Sequence[Row]]],
+) -> tuple[Sequence[Row], Row, tuple[NumberedAtom, ...]]:
     """Return the least candidates of a need, its terms, and the other needs."""
     least = min(range(len(needs)), key=lambda i: len(needs[i][1]))
     (_, terms), candidates = needs[least]

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from bpns.symbolic.grounding.ground import GroundProblem
-from bpns.symbolic.structs import GroundAtom, GroundOperator, sort_atoms
+from bpns.symbolic.operators import GroundOperator
+from bpns.symbolic.structs import GroundAtom, sort_atoms
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,12 +1,13 @@
 """From the lists of a PDDL domain to our Domain."""
 
+from bpns.symbolic.operators import Domain, Operator
 from bpns.symbolic.pddl.formulas import Formula, need_flags, read_effect, read_formula
 from bpns.symbolic.pddl.lists import List, shown
 from bpns.symbolic.pddl.scope import Scope
 from bpns.symbolic.pddl.sections import parts_of_action, read_requirements, read_sections
 from bpns.symbolic.pddl.typed import read_objects, read_types, read_variables
 from bpns.symbolic.pddl.vocabulary import ACTION_KEYS, DOMAIN_SECTIONS, NO_PREDICATES, UNSUPPORTED_ACTION_KEYS
-from bpns.symbolic.structs import EQUAL, OBJECT, Domain, Operator, Predicate
+from bpns.symbolic.structs import EQUAL, OBJECT, Predicate
 
 
 def build_domain(scope: Scope, tree: List) -> Domain:

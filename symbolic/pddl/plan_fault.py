@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from bpns.symbolic.structs import GroundOperator, Problem, sort_atoms
+from bpns.symbolic.operators import GroundOperator, Problem
+from bpns.symbolic.structs import sort_atoms
 
 
 def first_fault(problem: Problem, steps: Sequence[GroundOperator]) -> str:

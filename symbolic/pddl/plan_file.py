@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from bpns.symbolic.errors import PddlError
-from bpns.symbolic.structs import Domain, GroundOperator, Problem
+from bpns.symbolic.operators import Domain, GroundOperator, Problem
 
 _STEP = re.compile(r"(?:(\d+(?:\.\d*)?|\.\d+)\s*:\s*)?\(([^()]*)\)\s*(?:\[[^\[\]()]*\])?\Z")
 _NEXT_PLAN = re.compile(r"\s*;\s*plan\s+\d+\b", re.IGNORECASE)  # how 'bpns plan' introduces each of its plans

@@ -1,12 +1,13 @@
 """From the lists of a PDDL problem to our Problem."""
 
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.formulas import Formula, read_atom, read_formula
 from bpns.symbolic.pddl.lists import List, shown
 from bpns.symbolic.pddl.scope import Scope
 from bpns.symbolic.pddl.sections import read_requirements, read_sections
 from bpns.symbolic.pddl.typed import read_objects
 from bpns.symbolic.pddl.vocabulary import PROBLEM_SECTIONS, UNSUPPORTED_FORMULAS
-from bpns.symbolic.structs import EQUAL, Domain, GroundAtom, LiftedAtom, Problem
+from bpns.symbolic.structs import EQUAL, GroundAtom, LiftedAtom
 
 
 def build_problem(scope: Scope, tree: List, domain: Domain) -> Problem:

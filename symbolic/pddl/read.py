@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from bpns.symbolic.files import read_text
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.domains import build_domain
 from bpns.symbolic.pddl.lists import parse_lists
 from bpns.symbolic.pddl.problems import build_problem
 from bpns.symbolic.pddl.scope import MissingRequirement, PddlWarning, Scope
-from bpns.symbolic.structs import Domain, Problem
 
 __all__ = [
     "MissingRequirement",

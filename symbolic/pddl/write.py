@@ -4,19 +4,9 @@ from collections.abc import Iterable, Mapping
 from itertools import groupby
 
 from bpns.symbolic.errors import InputError
+from bpns.symbolic.operators import Domain, Operator, Problem
 from bpns.symbolic.pddl.vocabulary import NAME, NO_PREDICATES
-from bpns.symbolic.structs import (
-    EQUAL,
-    OBJECT,
-    Domain,
-    GroundAtom,
-    LiftedAtom,
-    Operator,
-    Predicate,
-    Problem,
-    Type,
-    sort_atoms,
-)
+from bpns.symbolic.structs import EQUAL, OBJECT, GroundAtom, LiftedAtom, Predicate, Type, sort_atoms
 
 
 def model_names(domain: Domain, problem: Problem | None = None) -> dict[str, str]:

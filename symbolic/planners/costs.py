@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import TypeAlias, TypeVar
 
-from bpns.symbolic.structs import GroundOperator
+from bpns.symbolic.operators import GroundOperator
 
 _GRAIN = 2.0**-16  # sums of multiples of it are exact, whatever their order
 _MOST = 2.0**30

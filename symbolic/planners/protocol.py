@@ -10,8 +10,9 @@ import numpy as np
 
 from bpns.symbolic.errors import MissingPackage
 from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.costs import Costs
-from bpns.symbolic.structs import GroundAtom, GroundOperator
+from bpns.symbolic.structs import GroundAtom
 
 
 @dataclass(frozen=True, slots=True)

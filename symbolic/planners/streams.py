@@ -1,6 +1,6 @@
 """Streams of abstract plans, changed or measured: without loops, with idle steps, and the first of each."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement, islice, product
 from time import monotonic
@@ -8,9 +8,9 @@ from time import monotonic
 import numpy as np
 
 from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.operators import GroundOperator, Operator
 from bpns.symbolic.planners.costs import Costs
 from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner, Limit, Planner, SearchRecord
-from bpns.symbolic.structs import GroundOperator
 
 MOST_IN_VAIN = 1_000  # where loops are possible, plans with more and more of them never end
 
@@ -110,6 +110,15 @@ class WithIdleSteps:
                     ):
                         yield found
             length += 1
+
+
+def with_idle_steps(planner: Planner, operators: Iterable[Operator]) -> Planner:
+    """Return a planner that also puts in operators which change nothing, where there are such.
+
+    One that leaves loops out stays as it is: an idle step is a loop.
+    """
+    idle = any(not operator.add_effects and not operator.delete_effects for operator in operators)
+    return WithIdleSteps(planner) if idle and not isinstance(planner, Loopless) else planner
 
 
 def _filled(

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 import numpy as np
 
+from bpns.symbolic.operators import Domain, Operator, Problem
 from bpns.symbolic.skills.skill import GivenSkill, Skill
 from bpns.symbolic.state import Array, State, Task
-from bpns.symbolic.structs import Domain, GroundAtom, Object, Operator, Predicate, Problem, Type
+from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type
 
 if TYPE_CHECKING:  # planning needs no pictures
     from PIL.Image import Image

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.skills.environment import Environment, EnvironmentFailure, holds
 from bpns.symbolic.skills.skill import Controller, GivenPolicy, Label, Skill, SkillFailure
 from bpns.symbolic.state import Array, State, Trajectory
-from bpns.symbolic.structs import GroundOperator
 
 
 @dataclass(frozen=True, slots=True)

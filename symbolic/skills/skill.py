@@ -6,8 +6,9 @@ from typing import Protocol, TypeAlias
 
 import numpy as np
 
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.state import Array, State
-from bpns.symbolic.structs import Object, Operator, Type, Variable
+from bpns.symbolic.structs import Object, Type, Variable
 
 Controller: TypeAlias = Callable[[State], Array | None]  # None: done, as far as the policy knows
 Terminal: TypeAlias = Callable[[State, tuple[Object, ...]], bool]

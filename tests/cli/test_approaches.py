@@ -11,7 +11,7 @@ from bpns.learning import approaches
 from bpns.learning.data.demonstrations import Demonstrations
 from bpns.learning.data.files import write_demonstrations
 from bpns.learning.graphs.training import GraphTraining
-from bpns.learning.models.learn import SkillConfig
+from bpns.learning.models.settings import SkillConfig
 from bpns.learning.networks.training import Training
 
 Run = Callable[..., tuple[int, str, str]]

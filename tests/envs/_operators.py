@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from bpns.symbolic.structs import Operator
+from bpns.symbolic.operators import Operator
 
 
 def assert_operator(

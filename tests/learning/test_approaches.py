@@ -16,9 +16,9 @@ from bpns.learning.graphs.reactive import GraphModel, choose, react
 from bpns.learning.graphs.saved import graph_entry
 from bpns.learning.graphs.training import GraphTraining
 from bpns.learning.models.files import SavedModel
-from bpns.learning.models.learn import SkillConfig
 from bpns.learning.models.load import read_model
 from bpns.learning.models.save import entry_of, write_model
+from bpns.learning.models.settings import SkillConfig
 from bpns.learning.models.solver import Solver
 from bpns.learning.networks.policies import LearnedPolicy, PassThrough
 from bpns.learning.networks.samplers import LearnedSampler

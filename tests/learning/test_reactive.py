@@ -18,12 +18,14 @@ from bpns.learning.graphs.training import (
     choice_loss,
     fit_graph_network,
 )
-from bpns.learning.models.learn import SkillConfig, learn_skills
+from bpns.learning.models.learn import learn_skills
+from bpns.learning.models.settings import SkillConfig
 from bpns.learning.networks.training import Training
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.environment import abstract, holds, sample_tasks
 from bpns.symbolic.skills.skill import NoSampler, Skill
 from bpns.symbolic.state import Array, State
-from bpns.symbolic.structs import Object, Operator, Type, Variable
+from bpns.symbolic.structs import Object, Type, Variable
 from tests.toy import DOOR, DOOR_0, HAND, HAND_0, SKILLS, Repeat, Toy
 
 SCHEMA = Schema.of([HAND, DOOR], set())

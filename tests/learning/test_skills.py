@@ -10,9 +10,10 @@ from bpns import envs
 from bpns.learning.data.demonstrations import Demonstrations, collect
 from bpns.learning.data.segmentation import segment
 from bpns.learning.experiments.evaluation import evaluate, summarize
-from bpns.learning.models.learn import LearnedSkill, SkillConfig, learn_skills, shared_out
+from bpns.learning.models.learn import LearnedSkill, learn_skills
 from bpns.learning.models.load import read_model
 from bpns.learning.models.save import entry_of, write_model
+from bpns.learning.models.settings import SkillConfig, shared_out
 from bpns.learning.models.solver import Solver
 from bpns.learning.networks.policies import LearnedPolicy, changing_features, policy_examples
 from bpns.learning.networks.samplers import LearnedSampler, discriminator_examples, generator_examples

@@ -7,19 +7,15 @@ import pytest
 import torch
 from torch import Tensor
 
-from bpns.learning.networks.network import Folded, Network, Scaling, mean_of
-from bpns.learning.networks.training import (
+from bpns.learning.networks.losses import (
     Loss,
-    Training,
-    _batches,
-    _chosen_rows,
-    _Perceptron,
     binary_cross_entropy,
-    fit,
-    fit_members,
     gaussian_negative_log_likelihood,
     mean_squared_error,
 )
+from bpns.learning.networks.network import Folded, Network, Scaling, mean_of
+from bpns.learning.networks.perceptron import Perceptron
+from bpns.learning.networks.training import Training, _batches, _chosen_rows, fit, fit_members
 
 
 def reference_likelihood(outputs: Tensor, targets: Tensor) -> Tensor:
@@ -57,7 +53,7 @@ def test_backward_is_autograd(hidden: tuple[int, ...], rows: int) -> None:
     generator = torch.Generator().manual_seed(1)
     inputs, targets = torch.rand(4, rows, generator=generator), torch.rand(2, rows, generator=generator)
     with_ones = torch.cat([inputs, torch.ones(1, rows)]).expand(2, -1, -1).contiguous()
-    model = _Perceptron(4, rows, (*hidden, 2), 4, seeds=(0, 1))
+    model = Perceptron(4, rows, (*hidden, 2), 4, seeds=(0, 1))
     outputs = model.forward(with_ones)
     assert torch.allclose(outputs, model.predict(with_ones[0]), atol=1e-6)
     model.backward(with_ones, mean_squared_error(outputs, targets)[1])
@@ -75,7 +71,7 @@ def test_backward_is_autograd(hidden: tuple[int, ...], rows: int) -> None:
 
 
 def test_weights_start_as_in_pytorch() -> None:
-    model = _Perceptron(3, 5, (400, 300, 2), fan_in=9, seeds=(0,))
+    model = Perceptron(3, 5, (400, 300, 2), fan_in=9, seeds=(0,))
     for weights, fan_in in zip(model.weights, (9, 400, 300), strict=True):
         bound = fan_in**-0.5
         assert weights.abs().max() <= bound
@@ -93,7 +89,7 @@ def test_adam_as_in_pytorch() -> None:
     inputs, targets = rows()
     fitted = fit(inputs, targets, mean_squared_error, 2, Training(50), seed=3)
     varying = Scaling.of(inputs).apply(inputs)[:, [0, 2]]
-    start = _Perceptron(2, 200, (32, 32, 2), 3, seeds=(3,))
+    start = Perceptron(2, 200, (32, 32, 2), 3, seeds=(3,))
     layers = []
     for (weights,) in start.weights:
         layer = torch.nn.Linear(weights.shape[1] - 1, weights.shape[0])

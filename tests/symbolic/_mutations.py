@@ -11,8 +11,8 @@ from traceback import format_exc
 
 from bpns.symbolic.errors import InputError, PddlError
 from bpns.symbolic.grounding.ground import ground
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.read import parse_domain, parse_problem
-from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._texts import read_back
 
 Words = list[str]

@@ -9,10 +9,10 @@ import pytest
 
 from bpns.symbolic.errors import MissingPackage
 from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.plan_fault import first_fault
 from bpns.symbolic.planners.protocol import AbstractPlan, Limit, Planner, SearchRecord
 from bpns.symbolic.planners.registry import load
-from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._problems import (
     PlanKey,
 )

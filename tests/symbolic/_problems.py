@@ -12,20 +12,9 @@ import pytest
 from hypothesis import strategies as st
 
 from bpns.symbolic.grounding.masks import CompiledProblem
+from bpns.symbolic.operators import Domain, GroundOperator, Operator, Problem
 from bpns.symbolic.pddl.read import read_domain, read_problem
-from bpns.symbolic.structs import (
-    OBJECT,
-    Domain,
-    GroundAtom,
-    GroundOperator,
-    LiftedAtom,
-    Object,
-    Operator,
-    Predicate,
-    Problem,
-    Type,
-    Variable,
-)
+from bpns.symbolic.structs import OBJECT, GroundAtom, LiftedAtom, Object, Predicate, Type, Variable
 
 AbstractState: TypeAlias = frozenset[GroundAtom]
 Graph: TypeAlias = Mapping[AbstractState, Sequence[tuple[GroundOperator, AbstractState]]]

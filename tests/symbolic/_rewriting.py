@@ -7,20 +7,10 @@ from random import Random
 
 from hypothesis import strategies as st
 
+from bpns.symbolic.operators import Domain, GroundOperator, Operator, Problem
 from bpns.symbolic.pddl.rewriting.portable import Rewritten
 from bpns.symbolic.pddl.rewriting.positive import reachable_operators
-from bpns.symbolic.structs import (
-    EQUAL,
-    Domain,
-    GroundOperator,
-    LiftedAtom,
-    Object,
-    Operator,
-    Predicate,
-    Problem,
-    Type,
-    Variable,
-)
+from bpns.symbolic.structs import EQUAL, LiftedAtom, Object, Predicate, Type, Variable
 from tests.symbolic._problems import PlanKey, plans_by_length, searchable_task, state_graph
 
 Step = tuple[str, tuple[str, ...]]

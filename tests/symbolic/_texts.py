@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.read import parse_domain, parse_problem, read_domain, read_problem
 from bpns.symbolic.pddl.write import model_names, write_domain, write_problem
-from bpns.symbolic.structs import Domain, Problem
 
 DOMAIN = """\
 (define (domain kitchen)

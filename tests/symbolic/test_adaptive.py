@@ -19,13 +19,14 @@ from bpns.symbolic.bilevel.refinement import RefinedStep, carry_out
 from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
 from bpns.symbolic.bilevel.strategy import Strategy
 from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner, Limit, Planner, SearchRecord
 from bpns.symbolic.planners.streams import loopless
 from bpns.symbolic.skills.environment import Budget, Environment, sample_tasks
 from bpns.symbolic.skills.rollout import GroundSkill
 from bpns.symbolic.skills.skill import Controller, NoSampler
 from bpns.symbolic.state import Array, State, Task
-from bpns.symbolic.structs import GroundOperator, Object
+from bpns.symbolic.structs import Object
 from tests.toy import SKILLS, Toy
 
 ANY = Budget(10**6, 10)

@@ -14,9 +14,9 @@ from bpns.symbolic.checkers import reports
 from bpns.symbolic.checkers.reports import Inputs, PlanSource, Report, Source, Verdict, disagreements, outcome
 from bpns.symbolic.checkers.running import check
 from bpns.symbolic.errors import MissingPackage
+from bpns.symbolic.operators import Domain, GroundOperator, Problem
 from bpns.symbolic.pddl.plan_file import parse_plan
 from bpns.symbolic.pddl.write import write_domain, write_problem
-from bpns.symbolic.structs import Domain, GroundOperator, Problem
 from tests.symbolic._problems import all_ground_operators, distances, searchable_task
 
 # Measured: what each of the others does not see. Together they see everything.

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 
 from bpns.symbolic.grounding.ground import GroundProblem, Unreachable, ground
 from bpns.symbolic.grounding.masks import applicable_operators, bits, compile_problem
-from bpns.symbolic.structs import Domain, Problem
+from bpns.symbolic.operators import Domain, Problem
 from tests.symbolic._problems import COVER, Graph, cover_problem, encode, searchable_tasks, switches
 
 

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bpns.symbolic.grounding.ground import Unreachable, ground
+from bpns.symbolic.operators import Domain, GroundOperator, Problem
 from bpns.symbolic.planners.astar import AStar
 from bpns.symbolic.planners.astar import best_first as _best_first
 from bpns.symbolic.planners.costs import Costs
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
-from bpns.symbolic.structs import Domain, GroundOperator, Problem
 from tests.symbolic._planning import AMPLE, check_plan, grounded, key
 from tests.symbolic._problems import (
     COVER,

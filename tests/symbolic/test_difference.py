@@ -11,19 +11,10 @@ from hypothesis import strategies as st
 
 from bpns.symbolic.compare.difference import OperatorPair, compare
 from bpns.symbolic.compare.difference_text import difference_json, difference_text
-from bpns.symbolic.compare.matching import PARTS, correspondence, facts_of, fingerprint, renamed, renaming
+from bpns.symbolic.compare.matching import PARTS, correspondence, fingerprint, placed_atoms, renamed, renaming
+from bpns.symbolic.operators import Domain, Operator
 from bpns.symbolic.pddl.read import parse_domain
-from bpns.symbolic.structs import (
-    EQUAL,
-    OBJECT,
-    Domain,
-    LiftedAtom,
-    Object,
-    Operator,
-    Predicate,
-    Type,
-    Variable,
-)
+from bpns.symbolic.structs import EQUAL, OBJECT, LiftedAtom, Object, Predicate, Type, Variable
 from tests.symbolic._texts import DOMAIN, replaced
 
 ITEM, ROBOT = Type("item"), Type("robot")
@@ -79,8 +70,8 @@ def test_order_and_names_do_not_count(operator: Operator, random: Any) -> None:
     found = renaming(operator, other)
     assert found is not None
     assert sorted(found) == sorted(found.values()) == sorted(order)
-    assert renamed(facts_of(operator), found) == facts_of(other)
-    assert fingerprint(facts_of(operator)) == fingerprint(facts_of(other))
+    assert renamed(placed_atoms(operator), found) == placed_atoms(other)
+    assert fingerprint(placed_atoms(operator)) == fingerprint(placed_atoms(other))
     assert compare(domain(operator), domain(replace(other, name="another"))).same
 
 
@@ -97,7 +88,7 @@ def test_equality_is_that_of_brute_force(one: Operator, other: Operator, random:
             v.type.name for v in second.parameters
         )
         equal = same_types and any(
-            renamed(facts_of(one), m) == facts_of(second)
+            renamed(placed_atoms(one), m) == placed_atoms(second)
             for m in mappings(one, second)
             if len(m) == len(one.parameters)
         )
@@ -108,7 +99,7 @@ def test_equality_is_that_of_brute_force(one: Operator, other: Operator, random:
 @given(operators(3), operators(3))
 def test_the_correspondence_shares_as_much_as_any(one: Operator, other: Operator) -> None:
     def shared(mapping: dict[int, int]) -> int:
-        return len(renamed(facts_of(one), mapping) & facts_of(other))
+        return len(renamed(placed_atoms(one), mapping) & placed_atoms(other))
 
     assert shared(correspondence(one, other)) == max(map(shared, mappings(one, other)))
 

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bpns.symbolic.bilevel.feedback import Feedback, Sharing
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.costs import Costs
-from bpns.symbolic.structs import GroundOperator
 from tests.symbolic._planning import grounded
 from tests.symbolic._problems import COVER, cover_problem
 

@@ -9,13 +9,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bpns.symbolic.grounding.ground import Unreachable, ground
+from bpns.symbolic.operators import Domain, Operator, Problem
 from bpns.symbolic.pddl.read import read_domain, read_problem
 from bpns.symbolic.pddl.rewriting.forbid import forbid
 from bpns.symbolic.pddl.rewriting.portable import Rewritten, portable
 from bpns.symbolic.pddl.write import write_domain, write_problem
 from bpns.symbolic.planners.astar import AStar
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
-from bpns.symbolic.structs import OBJECT, Domain, Object, Operator, Predicate, Problem, Variable
+from bpns.symbolic.structs import OBJECT, Object, Predicate, Variable
 from tests.symbolic._problems import COVER, cover_problem
 from tests.symbolic._rewriting import Plan, Step, plain_plans, rewritten_plans, rich_tasks
 

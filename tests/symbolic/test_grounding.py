@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bpns.symbolic.grounding.ground import GroundProblem, OutOfTime, Unreachable, ground
-from bpns.symbolic.structs import Domain, GroundAtom, Object, Operator, Predicate, Problem, Type, Variable
+from bpns.symbolic.operators import Domain, Operator, Problem
+from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type, Variable
 from tests.symbolic._problems import (
     COVER,
     Graph,

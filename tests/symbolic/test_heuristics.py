@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from bpns.symbolic.grounding.ground import GroundProblem, ground
 from bpns.symbolic.grounding.heuristics import HEURISTICS, LmCut, hadd, hff
 from bpns.symbolic.grounding.masks import CompiledProblem, compile_problem
-from bpns.symbolic.structs import Domain, GroundAtom, GroundOperator, Problem
+from bpns.symbolic.operators import Domain, GroundOperator, Problem
+from bpns.symbolic.structs import GroundAtom
 from tests.symbolic._problems import (
     COVER,
     AbstractState,

@@ -9,11 +9,11 @@ from bpns.symbolic import planners
 from bpns.symbolic.bilevel.exhaustive import exhaustive
 from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
 from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
-from bpns.symbolic.planners.streams import WithIdleSteps, loopless
+from bpns.symbolic.planners.streams import WithIdleSteps, loopless, with_idle_steps
 from bpns.symbolic.skills.environment import domain_of, problem_of, sample_tasks
 from bpns.symbolic.skills.skill import NoSampler, Skill
-from bpns.symbolic.structs import Operator
 from tests.toy import DOOR, HAND, IS_OPEN, SKILLS, Repeat, Toy, Variable
 
 HERE = Variable("?hand", HAND)
@@ -86,7 +86,7 @@ def test_loopless_plans_have_no_idle_steps() -> None:
     world = Toy(fails_below=2.0)
     task = sample_tasks(world, "test", 1, 0)[0]
     idle = {**SKILLS, "wait": Skill(WAIT, Repeat(0), NoSampler())}
-    planner = loopless(planners.load("astar"))
+    planner = with_idle_steps(loopless(planners.load("astar")), [WAIT])
     outcome = solve(world, task, idle, planner, world.budget, 1, strategy=exhaustive)
     assert isinstance(outcome, NoPlan)
     assert outcome.effort.abstract_plans == 1
@@ -96,5 +96,6 @@ def test_solving_with_an_idle_skill() -> None:
     world = Toy()
     task = sample_tasks(world, "test", 1, 0)[0]
     idle = {**SKILLS, "wait": Skill(WAIT, Repeat(2), NoSampler())}
-    outcome = solve(world, task, idle, planners.load("astar"), world.budget, 1, strategy=exhaustive)
+    planner = with_idle_steps(planners.load("astar"), [skill.operator for skill in idle.values()])
+    outcome = solve(world, task, idle, planner, world.budget, 1, strategy=exhaustive)
     assert isinstance(outcome, Plan)

@@ -10,10 +10,11 @@ import pytest
 from bpns.symbolic import planners
 from bpns.symbolic.errors import PddlError, UnsupportedPddl
 from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.operators import Domain, GroundOperator, Operator, Problem
 from bpns.symbolic.pddl.read import PddlWarning, parse_domain, parse_problem, read_domain
 from bpns.symbolic.pddl.write import write_domain, write_problem
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
-from bpns.symbolic.structs import EQUAL, Domain, GroundOperator, Object, Operator, Problem, Type
+from bpns.symbolic.structs import EQUAL, Object, Type
 from tests.symbolic._problems import competition_task
 from tests.symbolic._texts import DOMAIN, marked, read_back, read_case, replaced
 

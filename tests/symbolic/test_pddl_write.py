@@ -7,9 +7,10 @@ import pytest
 from hypothesis import assume, example, given, settings
 
 from bpns.symbolic.errors import InputError
+from bpns.symbolic.operators import Domain, Operator, Problem
 from bpns.symbolic.pddl.read import parse_domain, parse_problem
 from bpns.symbolic.pddl.write import model_names, object_names, write_domain, write_problem
-from bpns.symbolic.structs import OBJECT, Domain, Object, Operator, Predicate, Problem, Type, Variable
+from bpns.symbolic.structs import OBJECT, Object, Predicate, Type, Variable
 from tests.symbolic._problems import COVER, cover_problem, tasks
 from tests.symbolic._texts import DOMAIN, PROBLEM, read_back
 

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.grounding.ground import Unreachable, ground
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.read import parse_domain, parse_problem
 from bpns.symbolic.planners.protocol import Limit
 from bpns.symbolic.planners.registry import about, load, names
-from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._planning import check_plan, grounded, key, load_or_skip, plans
 from tests.symbolic._problems import (
     COVER,

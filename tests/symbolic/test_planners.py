@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from bpns.symbolic.grounding.ground import Unreachable, ground
 from bpns.symbolic.grounding.heuristics import LmCut, hadd
 from bpns.symbolic.grounding.masks import compile_problem
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.write import write_domain, write_problem
 from bpns.symbolic.planners.astar.best_first import enumerate_plans
 from bpns.symbolic.planners.protocol import AbstractPlan, Limit, SearchRecord
-from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._planning import AMPLE, check_plan, grounded, key, plans
 from tests.symbolic._problems import (
     COVER,

@@ -8,11 +8,12 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from bpns.symbolic.errors import Unsupported
+from bpns.symbolic.operators import Domain, Operator, Problem
 from bpns.symbolic.pddl.read import parse_domain, parse_problem, read_domain, read_problem
 from bpns.symbolic.pddl.rewriting.portable import Rewritten, portable
 from bpns.symbolic.pddl.vocabulary import NAME
 from bpns.symbolic.pddl.write import write_domain, write_problem
-from bpns.symbolic.structs import Domain, Object, Operator, Predicate, Problem, Type, Variable
+from bpns.symbolic.structs import Object, Predicate, Type, Variable
 from tests.symbolic._problems import COVER, cover_problem, tasks
 from tests.symbolic._rewriting import plain_plans, rewritten_plans, rich_task, rich_tasks
 

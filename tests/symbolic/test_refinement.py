@@ -15,7 +15,7 @@ from bpns.symbolic.bilevel.execution import execute
 from bpns.symbolic.bilevel.exhaustive import exhaustive
 from bpns.symbolic.bilevel.refinement import DeadEnd, RefinementRecord, Refiner
 from bpns.symbolic.bilevel.solve import NoPlan, Plan, solve
-from bpns.symbolic.bilevel.strategy import Search
+from bpns.symbolic.bilevel.strategy import TaskSearch
 from bpns.symbolic.grounding.ground import GroundProblem, ground
 from bpns.symbolic.planners.protocol import AbstractPlan, Limit
 from bpns.symbolic.skills.environment import Budget, problem_of, sample_tasks
@@ -184,7 +184,7 @@ def test_what_is_kept_of_attempts_changes_no_outcome(
     outcomes = []
     for known in (dict, Forgetful):
         record = partial(RefinementRecord, known=known())
-        monkeypatch.setattr(bilevel, "Search", partial(Search, refining=record()))
+        monkeypatch.setattr(bilevel, "TaskSearch", partial(TaskSearch, refining=record()))
         planner = planners.load("astar")
         outcome = bilevel.solve(toy, task, SKILLS, planner, toy.budget, seed, strategy=exhaustive)
         steps = [(str(s.skill.operator), s.subgoal.tolist()) for s in getattr(outcome, "steps", ())]

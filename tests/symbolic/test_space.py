@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from bpns.symbolic.grounding.ground import Unreachable, ground
 from bpns.symbolic.grounding.masks import compile_problem
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.planners.astar import space as _space
 from bpns.symbolic.planners.astar.space import explore
-from bpns.symbolic.structs import Domain, Problem
 from tests.symbolic._planning import grounded
 from tests.symbolic._problems import COVER, Graph, cover_problem, searchable_tasks
 

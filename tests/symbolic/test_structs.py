@@ -8,12 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from bpns.symbolic.operators import Operator, Problem
 from bpns.symbolic.structs import (
     OBJECT,
     Object,
-    Operator,
     Predicate,
-    Problem,
     Type,
     Variable,
     canonical_order,

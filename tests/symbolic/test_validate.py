@@ -2,8 +2,8 @@
 
 import pytest
 
+from bpns.symbolic.operators import Domain, GroundOperator, Problem
 from bpns.symbolic.pddl.plan_fault import first_fault
-from bpns.symbolic.structs import Domain, GroundOperator, Problem
 from tests.symbolic._problems import COVER, all_ground_operators, cover_problem, switches
 
 

@@ -15,19 +15,10 @@ from dataclasses import dataclass, field, replace
 
 from bpns.symbolic.grounding.ground import Unreachable, ground
 from bpns.symbolic.grounding.masks import CompiledProblem, applicable_operators, compile_problem
+from bpns.symbolic.operators import Domain, GroundOperator, Operator
 from bpns.symbolic.pddl.rewriting.legal import Names
 from bpns.symbolic.pddl.rewriting.portable import Origin, Rewritten
-from bpns.symbolic.structs import (
-    OBJECT,
-    Domain,
-    GroundOperator,
-    LiftedAtom,
-    Object,
-    Operator,
-    Predicate,
-    Type,
-    Variable,
-)
+from bpns.symbolic.structs import OBJECT, LiftedAtom, Object, Predicate, Type, Variable
 
 Step = tuple[str, tuple[str, ...]]  # operator and objects, as in the original task
 _Move = tuple[int, GroundOperator, int | None]  # a node, a step, the node after it; None: outside of the trie

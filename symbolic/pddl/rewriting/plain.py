@@ -4,20 +4,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import chain
 
+from bpns.symbolic.operators import Domain, Operator, Problem
 from bpns.symbolic.pddl.rewriting.legal import Names
-from bpns.symbolic.structs import (
-    EQUAL,
-    OBJECT,
-    Domain,
-    GroundAtom,
-    LiftedAtom,
-    Object,
-    Operator,
-    Predicate,
-    Problem,
-    Type,
-    Variable,
-)
+from bpns.symbolic.structs import EQUAL, OBJECT, GroundAtom, LiftedAtom, Object, Predicate, Type, Variable
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,11 @@ is not empty; and, as asked for, no negative conditions, no equality, no types.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from bpns.symbolic.operators import Domain, Problem
 from bpns.symbolic.pddl.rewriting.plain import Spelling, plain_task
 from bpns.symbolic.pddl.rewriting.positive import positive_task
 from bpns.symbolic.pddl.write import write_domain, write_problem
-from bpns.symbolic.structs import Domain, Predicate, Problem
+from bpns.symbolic.structs import Predicate
 
 
 @dataclass(frozen=True, slots=True)

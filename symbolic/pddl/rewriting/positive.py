@@ -10,18 +10,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from bpns.symbolic.grounding.ground import GroundProblem, ground
+from bpns.symbolic.operators import Domain, GroundOperator, Operator, Problem
 from bpns.symbolic.pddl.rewriting.legal import Names
-from bpns.symbolic.structs import (
-    OBJECT,
-    Domain,
-    GroundAtom,
-    GroundOperator,
-    LiftedAtom,
-    Operator,
-    Predicate,
-    Problem,
-    sort_atoms,
-)
+from bpns.symbolic.structs import OBJECT, GroundAtom, LiftedAtom, Predicate, sort_atoms
 
 _EQUAL = "="
 

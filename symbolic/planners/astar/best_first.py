@@ -10,15 +10,15 @@ import numpy as np
 from bpns.symbolic.grounding.heuristics import Heuristic
 from bpns.symbolic.grounding.masks import CompiledProblem
 from bpns.symbolic.planners.astar.levels import Levels
-from bpns.symbolic.planners.astar.nodes import Node, Path, State
-from bpns.symbolic.planners.astar.product import CHEAP, EnoughError, Product, StoppedError
+from bpns.symbolic.planners.astar.nodes import EnoughError, Node, Path, State, StoppedError
+from bpns.symbolic.planners.astar.product import CHEAP, Product
 from bpns.symbolic.planners.costs import Costs
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
 
 EXPLORE_AFTER = 1000  # states opened since costs change: fewer are no reason to look at all there are
 
 
-class _Search:
+class _CheapestPlans:
     """Finds the cheapest plan that was not given yet, again and again, and learns from it.
 
     ``best`` is A*. Then it raises the values of all nodes that it opened to what its result implies (Koenig
@@ -135,6 +135,12 @@ class _Search:
                     reached[child] = cost
                     came_from[child] = node, place
                     push(child)
+        self._learn(closed, reached, total)
+        return None if goal is None else _path(goal, came_from)
+
+    def _learn(self, closed: dict[Node, None], reached: dict[Node, float], total: float) -> None:
+        """Raise the values of opened nodes to what a search that came to a goal at this total implies."""
+        costs = self.product.costs
         for node in closed:
             node.value = max(node.value, total - reached[node])
             if total == inf:
@@ -144,13 +150,6 @@ class _Search:
             ways = zip(node.operators, node.children, strict=True)
             least = min([costs[o] + c.value for o, c in ways], default=inf)
             node.value = max(node.value, node.extra + least)
-        if goal is None:
-            return None
-        path: Path = []
-        while goal is not start:
-            path.append(came_from[goal])
-            goal = path[-1][0]
-        return path[::-1]
 
     def next(self) -> Path | None:
         """Return the cheapest path to a goal; None where there is none."""
@@ -220,6 +219,16 @@ class _Search:
             yield steps
 
 
+def _path(goal: Node, came_from: dict[Node, tuple[Node, int]]) -> Path:
+    """Return how a goal was reached."""
+    path: Path = []
+    node = goal
+    while node in came_from:
+        path.append(came_from[node])
+        node = path[-1][0]
+    return path[::-1]
+
+
 def enumerate_plans(
     problem: CompiledProblem,
     heuristic: Heuristic,
@@ -237,6 +246,6 @@ def enumerate_plans(
     """
     try:
         product = Product(problem, heuristic, limit, record, costs is not None)
-        yield from _Search(product, Random(int(rng.integers(2**63)))).plans(costs)
+        yield from _CheapestPlans(product, Random(int(rng.integers(2**63)))).plans(costs)
     except StoppedError:
         return

@@ -73,3 +73,11 @@ class Branch:
 
 Node: TypeAlias = State | Branch
 Path: TypeAlias = list[tuple[Node, int]]  # nodes and which of its children each is left by
+
+
+class StoppedError(Exception):
+    """A limit was reached."""
+
+
+class EnoughError(Exception):
+    """So many states were opened that it pays to look at all there are."""

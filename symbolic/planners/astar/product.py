@@ -1,4 +1,4 @@
-"""The graph of nodes that our search walks on, made as it goes: ``_nodes`` says what they are."""
+"""The graph of nodes that our search walks on, made as it goes: ``nodes`` says what they are."""
 
 from collections.abc import Sequence
 from heapq import heappop, heappush
@@ -7,20 +7,14 @@ from math import inf
 from bpns.symbolic.grounding.heuristics import Heuristic, LmCut
 from bpns.symbolic.grounding.masks import CompiledProblem, successor_function
 from bpns.symbolic.planners.astar.branch_values import BranchValues
-from bpns.symbolic.planners.astar.nodes import Branch, Node, Path, State
+from bpns.symbolic.planners.astar.exact import measure
+from bpns.symbolic.planners.astar.falling import relax_all, spread
+from bpns.symbolic.planners.astar.nodes import Branch, EnoughError, Node, Path, State, StoppedError
 from bpns.symbolic.planners.astar.space import Space, explore
 from bpns.symbolic.planners.protocol import Limit, SearchRecord
 
 CHEAP = 16  # states that are looked at before the heuristic is asked about more of them
 _DEAD_END = 10_000  # states that are looked at to find out whether one of them leads to a goal
-
-
-class StoppedError(Exception):
-    """A limit was reached."""
-
-
-class EnoughError(Exception):
-    """So many states were opened that it pays to look at all there are."""
 
 
 class Product:
@@ -226,23 +220,8 @@ class Product:
         lowered: list[Node] = []
         for number in fallen:
             for state, place in self.users[number]:
-                self._relax_all(state, place, None, lowered)
-        self._spread(lowered)
-
-    def _spread(self, lowered: list[Node]) -> None:
-        """Lower what rests on nodes whose values fell."""
-        while lowered:
-            node = lowered.pop()
-            if isinstance(node, Branch):
-                if node.above is not None:
-                    self._relax(node.above, node.place, lowered)
-                continue
-            for branch in node.branches or ():
-                if branch.children is None and branch.value > node.value:
-                    branch.value = node.value
-                    lowered.append(branch)
-            for state, place in node.parents or ():
-                self._relax_all(state, place, node, lowered)
+                relax_all(state, place, None, self.costs, lowered)
+        spread(lowered, self.costs)
 
     def explore(self) -> None:
         """From now on measure exact distances, where there are few enough states."""
@@ -255,25 +234,9 @@ class Product:
 
     def measure(self) -> None:
         """Set all values to what follows from exact distances at the present costs."""
-        space, values = self.space, self.branch_values
-        assert space is not None
-        space.measure(self.costs)
-        distances = space.distances.tolist()
-        for state in self.states.values():
-            if state.number < 0:
-                state.number = space.number(state.mask)
-            state.value, state.unsure = distances[state.number], False
-        for branch in self.branches[len(values) :]:
-            values.add(branch.state.number)
-        for branch in self.touched:
-            values.extras[branch.number] = inf if branch.children == [] else branch.extra
-            if branch.children:
-                targets = [c.number + (values.first if isinstance(c, Branch) else 0) for c in branch.children]
-                values.set_ways(branch.number, branch.depth, branch.operators, targets)
+        assert self.space is not None
+        measure(self.space, self.branch_values, self.costs, self.states.values(), self.branches, self.touched)
         self.touched.clear()
-        found = values.measure(space.distances, self.costs).tolist()
-        for branch, value in zip(self.branches, found, strict=True):
-            branch.value = value
 
     def penalize(self, steps: Sequence[int], extra: float) -> None:
         """Let all plans that begin with these steps, and go on, cost so much more."""
@@ -284,7 +247,7 @@ class Product:
             branch.value += change
             self.touched[branch] = None
             if change < 0 and self.space is None:
-                self._spread([branch])
+                spread([branch], self.costs)
 
     def close(self, steps: Sequence[int]) -> None:
         """Take all plans that begin with these steps out of those that are left."""
@@ -326,22 +289,6 @@ class Product:
             state.branches = []
         state.branches.append(branch)
         return branch
-
-    def _relax_all(self, state: State, place: int, child: Node | None, lowered: list[Node]) -> None:
-        """Relax a state and its branches; only those that have the given child, if one is given."""
-        self._relax(state, place, lowered)
-        for branch in state.branches or ():
-            if branch.children is not None and child in (None, branch.children[place]):
-                self._relax(branch, place, lowered)
-
-    def _relax(self, node: Node, place: int, lowered: list[Node]) -> None:
-        """Lower a value to what one child allows, but not below its base."""
-        if node.value > node.base:
-            cost = node.extra + self.costs[node.operators[place]]
-            bound = max(node.base, cost + self.open(node)[place].value)
-            if bound < node.value:
-                node.value = bound
-                lowered.append(node)
 
 
 def _chain(state: State, came_from: dict[State, State | None]) -> list[State]:

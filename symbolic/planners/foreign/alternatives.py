@@ -7,6 +7,7 @@ from time import monotonic
 import numpy as np
 
 from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.pddl.rewriting.forbid import forbid
 from bpns.symbolic.pddl.rewriting.portable import Rewritten
 from bpns.symbolic.planners.astar import AStar
@@ -21,7 +22,6 @@ from bpns.symbolic.planners.foreign.exchange import (
 )
 from bpns.symbolic.planners.foreign.program import PATIENCE
 from bpns.symbolic.planners.protocol import About, AbstractPlan, Limit, SearchRecord
-from bpns.symbolic.structs import GroundOperator
 
 ALTERNATIVES = 20  # the PDDL grows with every plan that it forbids; then our own search is faster
 

@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from bpns.symbolic.grounding.ground import GroundProblem
+from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.pddl.plan_fault import first_fault
 from bpns.symbolic.pddl.rewriting.portable import Rewritten, portable
 from bpns.symbolic.planners.protocol import About, AbstractPlan, SearchRecord
-from bpns.symbolic.structs import GroundOperator
 
 # A step as a planner writes it, in lower case: the operator's name, the objects' names.
 Words = tuple[str, ...]

@@ -16,8 +16,9 @@ from unified_planning.shortcuts import (
 )
 from unified_planning.shortcuts import Problem as UpProblem
 
+from bpns.symbolic.operators import Operator
 from bpns.symbolic.pddl.rewriting.portable import Rewritten
-from bpns.symbolic.structs import EQUAL, OBJECT, LiftedAtom, Operator, Type, sort_atoms
+from bpns.symbolic.structs import EQUAL, OBJECT, LiftedAtom, Type, sort_atoms
 
 
 def up_problem(task: Rewritten) -> Any:

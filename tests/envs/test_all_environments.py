@@ -10,7 +10,7 @@ from tests.toy import HAND
 
 @pytest.mark.parametrize("name", envs.names())
 def test_the_checker_finds_nothing_wrong(name: str) -> None:
-    found = [f"{f.check}: {f.text}" for f in check(envs.load(name), tasks=4, seed=3) if f.level != "ok"]
+    found = [f"{f.check}: {f.text}" for f in check(envs.load(name), 4, seed=3) if f.level != "ok"]
     assert not found
 
 

@@ -322,7 +322,7 @@ def test_a_broken_environment_gives_its_fault_and_no_other(case: str) -> None:
 
 
 def test_the_toy_passes_every_check() -> None:
-    found = list(check(TOY, tasks=2))
+    found = list(check(TOY, 2))
     assert {finding.level for finding in found} == {"ok"}
     assert [finding.check for finding in found][:3] == ["attributes", "symbols", "names"]
 
