@@ -10,8 +10,9 @@ from typing import Any, Literal
 
 from bpns import __version__
 from bpns.learning import approaches
-from bpns.learning.approaches import Learning
+from bpns.learning.approaches import Learn, Learned, Learning
 from bpns.learning.data.demonstrations import Demonstrations
+from bpns.learning.models.files import SkillEntry
 from bpns.learning.models.save import entry_of
 from bpns.model import Model
 from bpns.symbolic.errors import InputError
@@ -34,12 +35,11 @@ def learn(
 ) -> Model:
     """Learn a model: operators, and a policy and a sampler for each; or what another approach learns.
 
-    ``approach`` is a name as in ``bpns.approaches()``, or "module:attribute". ``seed`` is the demonstrations'
-    own if none is given. ``preset`` "paper" learns the paper's operators with its training, which takes
-    minutes. ``min_share`` is the share of all segments below which an operator is dropped (0.01 by default,
-    0: no filter). ``device`` is of graph networks: "cpu", "cuda" or "auto". ``workers`` are processes; they
-    change the time, not the result. ``command`` is noted in the model. Raises InputError where nothing can be
-    learned. Source: spec, algorithm.md sections 3 to 6.
+    ``approach`` is a name as in ``bpns.approaches()``, or "module:attribute"; ``seed`` the demonstrations'
+    own if none is given. ``preset`` "paper" learns the paper's operators with its training, for minutes.
+    ``min_share`` is the share of all segments below which an operator is dropped (0.01; 0: no filter).
+    ``device`` is of graph networks: "cpu", "cuda" or "auto". ``workers`` (processes) change the time alone.
+    Raises InputError where nothing can be learned. Source: spec, algorithm.md sections 3 to 6.
 
     >>> import bpns
     >>> world = bpns.load_environment("cover")
@@ -51,34 +51,43 @@ def learn(
       Add Effects: [Holding(?x0:block, ?x1:gripper)]
       Delete Effects: [HandEmpty()]
     """
-    chosen = approaches.load(approach)
-    if chosen.learn is None:
-        raise InputError(f"'{approach}' learns nothing: {chosen.summary}")
-    if min_share is not None and not chosen.skills:
-        raise InputError(f"'{approach}' learns no operators: leave the least share out")
+    learn_by = _chosen(approach, min_share)
     model_names(domain_of(world.environment, ()))  # before minutes of training: will this be fit for PDDL?
     seed = demonstrations.seed if seed is None else seed
     how = _settings(preset, min_share, device, seed, workers, progress)
     start, start_cpu = time.perf_counter(), _cpu_seconds()
-    learned = chosen.learn(world.environment, demonstrations, how)
+    learned = learn_by(world.environment, demonstrations, how)
     seconds, cpu_seconds = time.perf_counter() - start, _cpu_seconds() - start_cpu
     name = approach.replace("-", "_")
-    record = _record(demonstrations, how, name, preset, command)
     return Model(
         world=world,
         label=name,
         approach=name,
         seed=seed,
         skills={one.skill.operator.name: one.skill for one in learned.skills},
-        entries={
-            one.skill.operator.name: entry_of(one.skill, one.segments, one.demonstrations, one.fits)
-            for one in learned.skills
-        },
+        entries=_entries(learned),
         graph=learned.graph,
         training=learned.fit,
-        run={**record, "seconds": round(seconds, 3), "cpu_seconds": round(cpu_seconds, 3)},
+        run=_record(demonstrations, how, name, preset, command, seconds, cpu_seconds),
         header=_header(world, demonstrations, seed),
     )
+
+
+def _chosen(approach: str, min_share: float | None) -> Learn:
+    """Return how an approach learns; raise InputError where it does not, or has no operators to drop."""
+    chosen = approaches.load(approach)
+    if chosen.learn is None:
+        raise InputError(f"'{approach}' learns nothing: {chosen.summary}")
+    if min_share is not None and not chosen.skills:
+        raise InputError(f"'{approach}' learns no operators: leave the least share out")
+    return chosen.learn
+
+
+def _entries(learned: Learned) -> dict[str, SkillEntry]:
+    return {
+        one.skill.operator.name: entry_of(one.skill, one.segments, one.demonstrations, one.fits)
+        for one in learned.skills
+    }
 
 
 def _settings(
@@ -103,7 +112,13 @@ def _settings(
 
 
 def _record(
-    demonstrations: Demonstrations, how: Learning, approach: str, preset: str, command: str
+    demonstrations: Demonstrations,
+    how: Learning,
+    approach: str,
+    preset: str,
+    command: str,
+    seconds: float,
+    cpu_seconds: float,
 ) -> dict[str, Any]:
     """Return what run.json says of a model: what made it, how, and of what."""
     return {
@@ -119,6 +134,8 @@ def _record(
             "asked": demonstrations.asked,
             "given": len(demonstrations.demonstrations),
         },
+        "seconds": round(seconds, 3),
+        "cpu_seconds": round(cpu_seconds, 3),
     }
 
 

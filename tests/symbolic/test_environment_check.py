@@ -275,7 +275,7 @@ CASES: dict[str, tuple[object, str, str]] = {
     "crash": (
         toy(simulate=crashing_simulate),
         "simulate",
-        r"^KeyError: 'hand1', in crashing_simulate \(.*test_contract.py:\d+\)$",
+        r"^KeyError: 'hand1', in crashing_simulate \(.*test_environment_check.py:\d+\)$",
     ),
     "numpy bool": (
         with_classifier(HAS_KEY, one_when_positive),
