@@ -30,7 +30,8 @@ from bpns.learning.graphs.training import (
 )
 from bpns.learning.models.learn import learn_skills
 from bpns.learning.models.settings import SkillConfig
-from bpns.learning.networks.training import Training, fast_small_numbers
+from bpns.learning.networks.settings import Training
+from bpns.learning.networks.training import fast_small_numbers
 
 CPU = torch.device("cpu")
 Tensors = graph_training._Tensors

@@ -13,7 +13,8 @@ from bpns.learning.networks.losses import (
     gaussian_negative_log_likelihood,
     mean_squared_error,
 )
-from bpns.learning.networks.training import Training, fit
+from bpns.learning.networks.settings import Training
+from bpns.learning.networks.training import fit
 
 ITERATIONS = 1000
 

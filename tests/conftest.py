@@ -8,7 +8,7 @@ from bpns import envs
 from bpns.learning.data.demonstrations import Demonstrations, collect
 from bpns.learning.models.learn import LearnedSkill, learn_skills
 from bpns.learning.models.settings import SkillConfig
-from bpns.learning.networks.training import Training
+from bpns.learning.networks.settings import Training
 
 # No deadline, since machines differ; in CI the same examples each time, elsewhere new ones.
 settings.register_profile("bpns", deadline=None, derandomize="CI" in os.environ)

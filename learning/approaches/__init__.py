@@ -1,4 +1,8 @@
-"""Approaches: one module is one way from demonstrations to what solves tasks; its file name is its name."""
+"""Approaches: one module is one way from demonstrations to what solves tasks; its file name is its name.
+
+Read ``bpns``, ours; ``no_subgoal``, ``pass_through`` and the ``gnn_...`` are those that the paper compares it
+with, and ``oracle`` stands for skills written by hand.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from bpns.learning.data.demonstrations import Demonstrations
 from bpns.learning.graphs.reactive import GraphModel
+from bpns.learning.models.settings import SkillConfig
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.plugins import PlugIns
 from bpns.symbolic.skills.environment import Environment
@@ -13,14 +18,13 @@ from bpns.symbolic.skills.environment import Environment
 if TYPE_CHECKING:  # torch is slow to import, and a list of approaches needs none
     from bpns.learning.graphs.training import GraphTraining
     from bpns.learning.models.learn import LearnedSkill
-    from bpns.learning.models.settings import SkillConfig
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Learning:
     """How to learn: settings, seed, processes, and a device for graph networks."""
 
-    skills: "SkillConfig"
+    skills: SkillConfig
     graphs: "GraphTraining"
     seed: int
     workers: int = 1

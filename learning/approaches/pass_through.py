@@ -13,9 +13,12 @@ from bpns.learning.approaches import Approach, Learned, Learning
 from bpns.learning.data.demonstrations import Demonstration, Demonstrations
 from bpns.learning.data.segmentation import Segment
 from bpns.learning.data.tracking import Tracker
+from bpns.learning.models.settings import SkillConfig, shared_out
+from bpns.learning.networks.network import Array32
 from bpns.learning.networks.policies import PassThrough
 from bpns.learning.networks.samplers import discriminator_examples
-from bpns.learning.operators.clustering import Member, OperatorData
+from bpns.learning.operators.clustering import Member
+from bpns.learning.operators.learn import OperatorData
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.skills.environment import Environment
 from bpns.symbolic.skills.skill import Label, Skill, never
@@ -23,8 +26,6 @@ from bpns.symbolic.state import Trajectory
 
 if TYPE_CHECKING:  # torch is slow to import, and a list of approaches needs none
     from bpns.learning.models.jobs import Job
-    from bpns.learning.models.settings import SkillConfig
-    from bpns.learning.networks.network import Array32
 
 ANY_ACTION = Label("any action", ())
 
@@ -33,7 +34,6 @@ def learn(environment: Environment, data: Demonstrations, how: Learning) -> Lear
     """Learn operators and samplers of actions; raises InputError where there is nothing to learn."""
     from bpns.learning.models.jobs import fits_of, sampler_of, train
     from bpns.learning.models.learn import LearnedSkill, frequent_operators
-    from bpns.learning.models.settings import shared_out
 
     tracker = Tracker(environment)
     by_demonstration = [_segments(tracker, one) for one in data.demonstrations]
@@ -72,7 +72,7 @@ def _segments(tracker: Tracker, demonstration: Demonstration) -> list[Segment]:
 
 
 def _jobs(
-    operators: Sequence[OperatorData], number: int, config: "SkillConfig", rng: np.random.Generator
+    operators: Sequence[OperatorData], number: int, config: SkillConfig, rng: np.random.Generator
 ) -> "list[Job]":
     """Return the networks of an operator's sampler; any other operator's actions may be negatives."""
     from bpns.learning.models.jobs import sampler_jobs
@@ -85,7 +85,7 @@ def _jobs(
     return list(sampler_jobs(number, rows, examples, config))
 
 
-def _actions(members: Sequence[Member]) -> "Array32":
+def _actions(members: Sequence[Member]) -> Array32:
     """Return the segments' actions, (B, A)."""
     return np.array([member.segment.trajectory.actions[0] for member in members], np.float32)
 

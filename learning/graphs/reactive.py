@@ -31,8 +31,8 @@ class GraphModel:
 
 
 @dataclass(slots=True, eq=False)
-class Episode:
-    """What happened so far."""
+class Acted:
+    """What a graph network has done so far, in place of a plan."""
 
     states: list[State]
     actions: list[Array] = field(default_factory=list)
@@ -42,7 +42,7 @@ class Episode:
     seconds: float = 0.0  # for choosing and trying out, as the paper counts test time
 
     def execution(self, fault: str) -> Execution:
-        """Return the episode with why it failed, if it did."""
+        """Return what was done, with why it failed, if it did."""
         trajectory = Trajectory(tuple(self.states), tuple(self.actions))
         return Execution(trajectory, tuple(self.owners), fault, self.seconds)
 
@@ -54,42 +54,42 @@ def react(
     skills: Mapping[str, Skill],
     seed: int,
     deadline: float | None = None,
-) -> tuple[Execution, Episode]:
+) -> tuple[Execution, Acted]:
     """Act until the goal holds, the horizon is reached, or nothing can be done; ``deadline`` is monotonic."""
     rng = np.random.default_rng(seed)
-    episode = Episode([task.init])
+    acted = Acted([task.init])
     fault = ""
-    while not fault and not _reached(environment, task, episode):
-        if len(episode.actions) >= environment.horizon:
+    while not fault and not _reached(environment, task, acted):
+        if len(acted.actions) >= environment.horizon:
             fault = "horizon"
         elif deadline is not None and monotonic() > deadline:
             fault = "time limit reached while acting"
         elif model.skills:
-            fault = _use_skill(environment, task, model, skills, episode, rng)
+            fault = _use_skill(environment, task, model, skills, acted, rng)
         else:
-            fault = _act(environment, task, model, episode)
-    return episode.execution(fault), episode
+            fault = _act(environment, task, model, acted)
+    return acted.execution(fault), acted
 
 
-def _reached(environment: Environment, task: Task, episode: Episode) -> bool:
-    return all(holds(environment, atom, episode.states[-1]) for atom in task.goal)
+def _reached(environment: Environment, task: Task, acted: Acted) -> bool:
+    return all(holds(environment, atom, acted.states[-1]) for atom in task.goal)
 
 
-def _act(environment: Environment, task: Task, model: GraphModel, episode: Episode) -> str:
+def _act(environment: Environment, task: Task, model: GraphModel, acted: Acted) -> str:
     """Take the action that the network gives, clipped into the box; return what went wrong."""
-    state = episode.states[-1]
+    state = acted.states[-1]
     start = perf_counter()
     _, action = model.network(model.schema.encode(state, abstract(environment, state), task.goal))
     if not np.isfinite(action).all():
         return "the network's action is not a number"
     clipped = np.clip(action, environment.action_low, environment.action_high).astype(np.float32)
-    episode.seconds += perf_counter() - start
+    acted.seconds += perf_counter() - start
     try:
-        episode.states.append(environment.simulate(state, clipped))
+        acted.states.append(environment.simulate(state, clipped))
     except EnvironmentFailure as failure:
         return f"failure: {failure}"
-    episode.actions.append(clipped)
-    episode.owners.append(0)
+    acted.actions.append(clipped)
+    acted.owners.append(0)
     return ""
 
 
@@ -98,30 +98,30 @@ def _use_skill(
     task: Task,
     model: GraphModel,
     skills: Mapping[str, Skill],
-    episode: Episode,
+    acted: Acted,
     rng: np.random.Generator,
 ) -> str:
     """Choose a skill and run it, if its effects come about in the simulator; return what went wrong.
 
     The simulator is deterministic: what it did is what the environment does, up to where the goal holds.
     """
-    state = episode.states[-1]
+    state = acted.states[-1]
     start = perf_counter()
     atoms = abstract(environment, state)
     chosen = choose(model, skills, state, atoms, task.goal)
     if isinstance(chosen, str):
         return chosen
-    number = len(episode.steps)
-    episode.steps.append(str(chosen.operator))
-    found = _successful(environment, chosen, state, atoms, episode, rng)
-    episode.seconds += perf_counter() - start
+    number = len(acted.steps)
+    acted.steps.append(str(chosen.operator))
+    found = _successful(environment, chosen, state, atoms, acted, rng)
+    acted.seconds += perf_counter() - start
     if isinstance(found, str):
         return f"step {number + 1} {chosen.operator}: {found}"
     for action, after in zip(found.trajectory.actions, found.trajectory.states[1:], strict=True):
-        episode.actions.append(action)
-        episode.owners.append(number)
-        episode.states.append(after)
-        if len(episode.actions) >= environment.horizon or _reached(environment, task, episode):
+        acted.actions.append(action)
+        acted.owners.append(number)
+        acted.states.append(after)
+        if len(acted.actions) >= environment.horizon or _reached(environment, task, acted):
             break
     return ""
 
@@ -156,7 +156,7 @@ def _successful(
     chosen: GroundSkill,
     state: State,
     atoms: frozenset[GroundAtom],
-    episode: Episode,
+    acted: Acted,
     rng: np.random.Generator,
 ) -> Rollout | str:
     """Return a roll-out after which all predicted atoms hold, or why the last try gave none.
@@ -167,7 +167,7 @@ def _successful(
     why = ""
     for _ in range(TRIES if chosen.skill.sampler.dimension else 1):
         subgoal = chosen.skill.sampler.sample(state, chosen.operator.objects, rng)
-        episode.samples += 1
+        acted.samples += 1
         rollout = chosen.roll_out(environment, state, subgoal, environment.rollout_limit)
         if isinstance(rollout, NotInitiable):
             return "not initiable"  # whatever the subgoal

@@ -17,8 +17,9 @@ from bpns.learning.networks.losses import (
 from bpns.learning.networks.network import Array32, Network, Scaling, mean_of
 from bpns.learning.networks.policies import Changing, policy_examples
 from bpns.learning.networks.samplers import LearnedSampler, discriminator_examples, generator_examples
-from bpns.learning.networks.training import Fitted, Training, fit_members
-from bpns.learning.operators.clustering import OperatorData
+from bpns.learning.networks.settings import Training
+from bpns.learning.networks.training import Fitted, fit_members
+from bpns.learning.operators.learn import OperatorData
 from bpns.learning.parallel import parallel_map
 
 FEW_DECAY = 0.1  # weight decay of networks that have few rows

@@ -11,7 +11,7 @@ from bpns.learning.models.jobs import FittedParts, fits_of, sampler_of, skill_jo
 from bpns.learning.models.settings import SkillConfig, shared_out
 from bpns.learning.networks.network import Array32
 from bpns.learning.networks.policies import Changing, LearnedPolicy, changing_features
-from bpns.learning.operators.clustering import OperatorData, learn_operators
+from bpns.learning.operators.learn import OperatorData, learn_operators
 from bpns.symbolic.errors import InputError
 from bpns.symbolic.skills.environment import Environment
 from bpns.symbolic.skills.skill import Skill

@@ -10,7 +10,14 @@ from safetensors.numpy import load_file
 
 from bpns.learning.graphs.saved import read_graph
 from bpns.learning.models.binding import bind_operators
-from bpns.learning.models.files import GivenEntry, SavedModel, SkillEntry, model_folders, read_model_file
+from bpns.learning.models.files import (
+    GivenEntry,
+    ModelFile,
+    SavedModel,
+    SkillEntry,
+    model_folders,
+    read_model_file,
+)
 from bpns.learning.models.own import own_skill
 from bpns.learning.networks.network import Array32, Network, Scaling
 from bpns.learning.networks.policies import Changing, LearnedPolicy, PassThrough
@@ -29,6 +36,28 @@ def read_model(folder: Path, environment: Environment) -> SavedModel:
     file = read_model_file(folder)
     if file.environment != environment.name:
         raise InputError(f"{folder} was learned in '{file.environment}', not in '{environment.name}'")
+    operators = _operators(folder, file, environment)
+    try:
+        tensors = load_file(folder / "skills.safetensors")
+    except (SafetensorError, OSError) as error:
+        raise InputError(
+            f"{folder / 'skills.safetensors'}: broken: {error}: learn the model again"
+        ) from error
+    modules = model_folders(folder, file)
+    skills = {
+        one.name: _skill(one, file.skills[one.name], tensors, environment, folder, modules)
+        for one in operators
+    }
+    own_domain = domain_of(environment, operators)
+    graph = None
+    if file.graph is not None:
+        graph = read_graph(file.graph, operators, len(environment.action_low), tensors, folder)
+    header = _header(folder / "domain.pddl")
+    return SavedModel(file.approach, environment, file.seed, own_domain, skills, file.skills, graph, header)
+
+
+def _operators(folder: Path, file: ModelFile, environment: Environment) -> tuple[Operator, ...]:
+    """Return the operators of domain.pddl, which may have been edited: those that skills.json is about."""
     path = folder / "domain.pddl"
     names = model_names(domain_of(environment, ())) | {name.lower(): name for name in file.skills}
     domain = read_domain(path, names)
@@ -38,34 +67,21 @@ def read_model(folder: Path, environment: Environment) -> SavedModel:
             "or put back the file of this model"
         )
     operators = bind_operators(domain, environment, path)
-    by_name = {operator.name: operator for operator in operators}
+    found = {operator.name for operator in operators}
     have = ", ".join(file.skills)
-    for name in by_name:
+    for name in (operator.name for operator in operators):
         if name not in file.skills:
             raise InputError(
                 f"{path}: operator '{name}' has no weights (skills.json has: {have}): "
                 "give it one of these names, or remove it"
             )
     for name in file.skills:
-        if name not in by_name:
+        if name not in found:
             raise InputError(
                 f"{folder / 'skills.json'}: weights of '{name}' have no operator in domain.pddl: put the "
                 f"operator back{'' if file.graph and name in file.graph.skills else ', or remove this entry'}"
             )
-    try:
-        tensors = load_file(folder / "skills.safetensors")
-    except (SafetensorError, OSError) as error:
-        raise InputError(
-            f"{folder / 'skills.safetensors'}: broken: {error}: learn the model again"
-        ) from error
-    modules = model_folders(folder, file)
-    skills = {n: _skill(by_name[n], file.skills[n], tensors, environment, folder, modules) for n in by_name}
-    own_domain = domain_of(environment, operators)
-    graph = None
-    if file.graph is not None:
-        graph = read_graph(file.graph, operators, len(environment.action_low), tensors, folder)
-    header = _header(path)
-    return SavedModel(file.approach, environment, file.seed, own_domain, skills, file.skills, graph, header)
+    return operators
 
 
 def _header(path: Path) -> str:

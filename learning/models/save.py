@@ -41,12 +41,7 @@ def write_model(
     check_model_output(folder, overwrite=True)
     with replacing_folder(folder) as temporary:
         domain = domain_of(environment, (skill.operator for skill, _ in skills))
-        comments = {
-            skill.operator.name: f"{e.own}, not learned"
-            if e.own
-            else f"learned from {e.demonstrations} demonstrations, {e.segments} segments"
-            for skill, e in skills
-        }
+        comments = {skill.operator.name: _comment(entry) for skill, entry in skills}
         (temporary / "domain.pddl").write_text(write_domain(domain, header, comments), encoding="utf-8")
         tensors = {
             n: t
@@ -69,6 +64,13 @@ def write_model(
         )
         write_json(temporary / "skills.json", file.model_dump(mode="json"))
         write_json(temporary / "run.json", {**run, "folder": str(modules)} if modules else run)
+
+
+def _comment(entry: SkillEntry) -> str:
+    """Return what domain.pddl says above an operator."""
+    if entry.own:
+        return f"{entry.own}, not learned"
+    return f"learned from {entry.demonstrations} demonstrations, {entry.segments} segments"
 
 
 def entry_of(

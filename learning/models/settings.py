@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from bpns.learning.networks.training import Training
+from bpns.learning.networks.settings import Training
 
 DEFAULT_POLICY = Training(1500, 3e-2, decay=True, held_out=0.1, batch=256, scaling="deviation")
 DEFAULT_GENERATOR = Training(1200, 1e-2, decay=True, held_out=0.1, batch=512, scaling="range")

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bpns.learning.graphs.reactive import Episode, GraphModel, react
+from bpns.learning.graphs.reactive import Acted, GraphModel, react
 from bpns.symbolic.bilevel.adaptive import adaptive
 from bpns.symbolic.bilevel.execution import Execution, execute
 from bpns.symbolic.bilevel.refinement import DeadEnd
@@ -45,7 +45,7 @@ class Outcome:
     """
 
     task: Task
-    found: Plan | NoPlan | Episode
+    found: Plan | NoPlan | Acted
     execution: Execution | None  # None where there was nothing to carry out
 
     @property
@@ -56,12 +56,12 @@ class Outcome:
     @property
     def planned(self) -> bool | None:
         """Whether there was an abstract plan; None where nothing plans."""
-        return None if isinstance(self.found, Episode) else self.found.effort.abstract_plans > 0
+        return None if isinstance(self.found, Acted) else self.found.effort.abstract_plans > 0
 
     @property
     def refined(self) -> bool | None:
         """Whether one was refined in the simulator; None where nothing plans."""
-        return None if isinstance(self.found, Episode) else isinstance(self.found, Plan)
+        return None if isinstance(self.found, Acted) else isinstance(self.found, Plan)
 
     @property
     def executed(self) -> bool:
@@ -88,23 +88,23 @@ class Outcome:
     @property
     def effort(self) -> Effort:
         """What planning cost: nodes, abstract plans, samples, seconds."""
-        return NO_EFFORT if isinstance(self.found, Episode) else self.found.effort
+        return NO_EFFORT if isinstance(self.found, Acted) else self.found.effort
 
     @property
     def dead_ends(self) -> list[tuple[DeadEnd, int]]:
         """Where refinements failed, with how often, the most frequent first."""
-        ends = {} if isinstance(self.found, Episode) else self.found.dead_ends
+        ends = {} if isinstance(self.found, Acted) else self.found.dead_ends
         return sorted(ends.items(), key=lambda item: (-item[1], item[0]))
 
     @property
     def samples(self) -> int:
         """How many subgoals were tried."""
-        return self.found.samples if isinstance(self.found, Episode) else self.found.effort.samples
+        return self.found.samples if isinstance(self.found, Acted) else self.found.effort.samples
 
     @property
     def steps(self) -> tuple[str, ...]:
         """The skills with their objects, as text; none without a plan, or where a network gives actions."""
-        if isinstance(self.found, Episode):
+        if isinstance(self.found, Acted):
             return tuple(self.found.steps)
         return tuple(str(s.skill.operator) for s in self.found.steps) if isinstance(self.found, Plan) else ()
 
@@ -117,8 +117,8 @@ def attempt(solver: Solver, task: Task, seed: int, deadline: float | None = None
     """Plan for a task and carry the plan out, or act; ``deadline`` is a point of ``time.monotonic``."""
     world = solver.environment
     if solver.graph is not None:
-        execution, episode = react(world, task, solver.graph, solver.skills, seed, deadline)
-        return Outcome(task, episode, execution)
+        execution, acted = react(world, task, solver.graph, solver.skills, seed, deadline)
+        return Outcome(task, acted, execution)
     planner = with_idle_steps(solver.planner, (skill.operator for skill in solver.skills.values()))
     found = solve(world, task, solver.skills, planner, solver.budget, seed, deadline, solver.strategy)
     return Outcome(task, found, execute(world, task, found) if isinstance(found, Plan) else None)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bpns.learning.networks.network import Array32, Folded, Network, Scaling
-from bpns.learning.operators.clustering import OperatorData
+from bpns.learning.operators.learn import OperatorData
 from bpns.symbolic.skills.skill import Controller, SkillFailure
 from bpns.symbolic.state import Array, State
 from bpns.symbolic.structs import Object

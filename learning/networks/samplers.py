@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from bpns.learning.data.segmentation import Segment
 from bpns.learning.networks.network import Array32, Folded, Network, Scaling
 from bpns.learning.networks.policies import Changing, changing_values
-from bpns.learning.operators.clustering import Member, OperatorData
+from bpns.learning.operators.clustering import Member
+from bpns.learning.operators.learn import OperatorData
 from bpns.symbolic.state import Array, State
 from bpns.symbolic.structs import Object, Variable, sort_atoms
 

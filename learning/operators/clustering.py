@@ -1,18 +1,13 @@
-"""Segments -> operators: clustering by unification, preconditions by intersection.
-
-Source: spec, algorithm.md sections 4 and 5.
-"""
+"""Segments -> clusters of those that are alike but for their objects. Source: spec, algorithm.md section 4."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from bpns.learning.data.segmentation import Segment
-from bpns.symbolic.operators import Operator
 from bpns.symbolic.structs import (
     GroundAtom,
     LiftedAtom,
     Object,
-    Predicate,
     Variable,
     canonical_order,
     sort_atoms,
@@ -28,149 +23,56 @@ class Member:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OperatorData:
-    """A learned operator and the segments that it was learned from.
+class Cluster:
+    """Segments of one given skill, or of none, whose effects are alike but for the objects."""
 
-    Where these are of a given skill, ``given`` names it and ``arguments`` are the parameters that it gets.
-    The last ``context`` parameters are of no effect: they are in contact with those that are.
-    """
-
-    operator: Operator
-    members: tuple[Member, ...]
-    given: str | None = None
-    arguments: tuple[Variable, ...] = ()
-    context: int = 0
-
-
-@dataclass(slots=True)
-class _Cluster:
     variables: tuple[Variable, ...]
     given: str | None
-    arguments: tuple[Variable, ...]
+    arguments: tuple[Variable, ...]  # that the given skill gets
     add_effects: frozenset[LiftedAtom]
     delete_effects: frozenset[LiftedAtom]
-    members: list[Member] = field(default_factory=list)
-    context: int = 0  # how many of the variables are context objects
+    members: list[Member]  # grows as segments join
 
 
-def learn_operators(
-    segments: Sequence[Segment], min_share: float = 0.01, contacts: frozenset[Predicate] = frozenset()
-) -> list[OperatorData]:
-    """Return the operators with at least ``min_share`` of all segments, named Op<i> in order of discovery.
+def cluster(segments: Sequence[Segment]) -> list[Cluster]:
+    """Return the clusters of all segments, in order of discovery.
 
     A segment joins the first cluster whose given skill, with its arguments, and whose effects become its
-    own under a one-to-one, type-preserving map of variables to objects. Objects that atoms of ``contacts``
-    tie to those become parameters too; see ``_add_context``. Without ``contacts``, none do, as in the paper.
+    own under a one-to-one, type-preserving map of variables to objects.
     """
-    clusters: list[_Cluster] = []
+    clusters: list[Cluster] = []
     for segment in segments:
-        for cluster in clusters:
-            match = _match(cluster, segment)
+        for one in clusters:
+            match = _match(one, segment)
             if match is not None:
-                cluster.members.append(Member(segment, tuple(match[v] for v in cluster.variables)))
+                one.members.append(Member(segment, tuple(match[v] for v in one.variables)))
                 break
         else:
             clusters.append(_new_cluster(segment))
-    for cluster in clusters:
-        _add_context(cluster, contacts)
-    return [
-        OperatorData(
-            Operator(
-                f"Op{number}",
-                cluster.variables,
-                _preconditions(cluster),
-                cluster.add_effects,
-                cluster.delete_effects,
-            ),
-            tuple(cluster.members),
-            cluster.given,
-            cluster.arguments,
-            cluster.context,
-        )
-        for number, cluster in enumerate(clusters)
-        if len(cluster.members) >= len(segments) * min_share
-    ]
+    return clusters
 
 
-def _new_cluster(segment: Segment) -> _Cluster:
+def lifted_atom(atom: GroundAtom, lift: Mapping[Object, Variable]) -> LiftedAtom:
+    """Return an atom on the variables that stand for its objects."""
+    return LiftedAtom(atom.predicate, tuple(lift[o] for o in atom.objects))
+
+
+def _new_cluster(segment: Segment) -> Cluster:
     effects = segment.add_effects | segment.delete_effects
     arguments = segment.label.objects if segment.label else ()
     objects = canonical_order({o for atom in effects for o in atom.objects} | set(arguments))
     lift = {o: Variable(f"?x{i}", o.type) for i, o in enumerate(objects)}
-    return _Cluster(
+    return Cluster(
         tuple(lift.values()),
         segment.label.skill if segment.label else None,
         tuple(lift[o] for o in arguments),
-        frozenset(_lifted(atom, lift) for atom in segment.add_effects),
-        frozenset(_lifted(atom, lift) for atom in segment.delete_effects),
+        frozenset(lifted_atom(atom, lift) for atom in segment.add_effects),
+        frozenset(lifted_atom(atom, lift) for atom in segment.delete_effects),
         [Member(segment, objects)],
     )
 
 
-def _add_context(cluster: _Cluster, contacts: frozenset[Predicate]) -> None:
-    """Add parameters for objects that one kind of contact atom ties to the others at every segment's start.
-
-    That is an atom of which all other objects are parameters, and in each segment there is exactly one such
-    atom: Grasped(gripper, stick) gives the gripper that holds the stick.
-    """
-    shared: dict[tuple[LiftedAtom, int], list[Object]] | None = None
-    for member in cluster.members:
-        ties = _ties(cluster.variables, member, contacts)
-        if shared is None:
-            shared = {tie: [found] for tie, found in ties.items()}
-        else:
-            shared = {tie: [*found, ties[tie]] for tie, found in shared.items() if tie in ties}
-    columns: list[tuple[Object, ...]] = []  # the objects of each new parameter, a row for each segment
-    for _, found in sorted((shared or {}).items(), key=lambda item: str(item[0])):
-        if not any(one == other for column in columns for one, other in zip(column, found, strict=True)):
-            columns.append(tuple(found))  # parameters are different objects, in every segment
-    for column in columns:
-        name = f"?x{len(cluster.variables)}"
-        cluster.variables += (Variable(name, column[0].type),)
-        cluster.context += 1
-        cluster.members = [
-            Member(member.segment, (*member.objects, obj))
-            for member, obj in zip(cluster.members, column, strict=True)
-        ]
-
-
-def _ties(
-    variables: tuple[Variable, ...], member: Member, contacts: frozenset[Predicate]
-) -> dict[tuple[LiftedAtom, int], Object]:
-    """Return the objects that are tied to a segment's, each by an atom with a hole (where, which place)."""
-    lift = dict(zip(member.objects, variables, strict=True))
-    found: dict[tuple[LiftedAtom, int], Object | None] = {}
-    for atom in member.segment.init_atoms:
-        if atom.predicate not in contacts or len(atom.objects) == 1:
-            continue
-        strange = [place for place, obj in enumerate(atom.objects) if obj not in lift]
-        if len(strange) != 1:
-            continue
-        (place,) = strange
-        obj = atom.objects[place]
-        hole = Variable("?hole", obj.type)
-        terms = tuple(hole if o == obj else lift[o] for o in atom.objects)
-        tie = LiftedAtom(atom.predicate, terms), place
-        found[tie] = None if tie in found else obj
-    return {tie: obj for tie, obj in found.items() if obj is not None}
-
-
-def _lifted(atom: GroundAtom, lift: Mapping[Object, Variable]) -> LiftedAtom:
-    return LiftedAtom(atom.predicate, tuple(lift[o] for o in atom.objects))
-
-
-def _preconditions(cluster: _Cluster) -> frozenset[LiftedAtom]:
-    """Return the lifted initial atoms over the parameters that all members share."""
-    first, *others = cluster.members
-    lift = dict(zip(first.objects, cluster.variables, strict=True))
-    shared = {_lifted(a, lift) for a in first.segment.init_atoms if all(o in lift for o in a.objects)}
-    for member in others:
-        found = dict(zip(cluster.variables, member.objects, strict=True))
-        shared = {a for a in shared if a.ground(found) in member.segment.init_atoms}
-    return frozenset(shared)
-
-
-def _match(cluster: _Cluster, segment: Segment) -> dict[Variable, Object] | None:
+def _match(cluster: Cluster, segment: Segment) -> dict[Variable, Object] | None:
     """Return a map under which the cluster's skill and effects are the segment's, or None."""
     if cluster.given != (segment.label.skill if segment.label else None):
         return None

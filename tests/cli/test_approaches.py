@@ -12,7 +12,7 @@ from bpns.learning.data.demonstrations import Demonstrations
 from bpns.learning.data.files import write_demonstrations
 from bpns.learning.graphs.training import GraphTraining
 from bpns.learning.models.settings import SkillConfig
-from bpns.learning.networks.training import Training
+from bpns.learning.networks.settings import Training
 
 Run = Callable[..., tuple[int, str, str]]
 SHORT = Training(100)

@@ -22,7 +22,7 @@ from bpns.learning.models.settings import SkillConfig
 from bpns.learning.models.solver import Solver
 from bpns.learning.networks.policies import LearnedPolicy, PassThrough
 from bpns.learning.networks.samplers import LearnedSampler
-from bpns.learning.networks.training import Training
+from bpns.learning.networks.settings import Training
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.exhaustive import exhaustive
 from bpns.symbolic.errors import InputError
@@ -146,12 +146,12 @@ def test_what_a_metacontroller_did_is_what_the_simulator_does(demonstrations: De
     assert learned.graph is not None
     skills = {one.skill.operator.name: one.skill for one in learned.skills}
     for number, task in enumerate(sample_tasks(COVER, "test", 10, 0)):
-        execution, episode = react(COVER, task, learned.graph, skills, number)
+        execution, acted = react(COVER, task, learned.graph, skills, number)
         states = execution.trajectory.states
         for before, action, after in zip(states, execution.trajectory.actions, states[1:], strict=False):
             assert COVER.simulate(before, action).features == after.features
         assert len(execution.steps) == len(execution.trajectory.actions) <= COVER.horizon
-        assert set(execution.steps) <= set(range(len(episode.steps)))
+        assert set(execution.steps) <= set(range(len(acted.steps)))
 
 
 def test_cloning_acts_inside_the_box_until_the_horizon(demonstrations: Demonstrations, save: Save) -> None:

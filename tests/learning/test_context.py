@@ -6,7 +6,7 @@ from bpns.envs.stick_button import ENVIRONMENT as STICK_BUTTON
 from bpns.learning.data.demonstrations import collect
 from bpns.learning.data.segmentation import Segment, segment
 from bpns.learning.networks.policies import changing_features, policy_examples
-from bpns.learning.operators.clustering import OperatorData, learn_operators
+from bpns.learning.operators.learn import OperatorData, learn_operators
 from bpns.symbolic.state import State, Trajectory
 from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type
 

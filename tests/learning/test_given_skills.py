@@ -20,7 +20,7 @@ from bpns.learning.models.learn import LearnedSkill, learn_skills
 from bpns.learning.models.load import read_model
 from bpns.learning.models.save import entry_of, write_model
 from bpns.learning.networks.policies import LearnedPolicy
-from bpns.learning.operators.clustering import OperatorData, learn_operators
+from bpns.learning.operators.learn import OperatorData, learn_operators
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.execution import execute
 from bpns.symbolic.bilevel.solve import Plan, solve

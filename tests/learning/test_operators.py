@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bpns.learning.data.segmentation import Segment, segment
-from bpns.learning.operators.clustering import learn_operators
+from bpns.learning.operators.learn import learn_operators
 from bpns.symbolic.state import State, Trajectory
 from bpns.symbolic.structs import GroundAtom, Object, Predicate, Type
 from tests.toy import DOOR_0, HAND_0, HAS_KEY, IS_OPEN, Toy

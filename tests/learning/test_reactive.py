@@ -20,7 +20,7 @@ from bpns.learning.graphs.training import (
 )
 from bpns.learning.models.learn import learn_skills
 from bpns.learning.models.settings import SkillConfig
-from bpns.learning.networks.training import Training
+from bpns.learning.networks.settings import Training
 from bpns.symbolic.operators import Operator
 from bpns.symbolic.skills.environment import abstract, holds, sample_tasks
 from bpns.symbolic.skills.skill import NoSampler, Skill
@@ -106,19 +106,19 @@ def test_no_object_of_a_type_is_why() -> None:
 def test_a_hundred_subgoals_are_tried_and_no_more() -> None:
     for good, works in ((1, True), (100, True), (101, False)):
         sampler = CountedSampler(good)
-        execution, episode = react(WORLD, TASK, model(0, 1), with_sampler(sampler), 0)
+        execution, acted = react(WORLD, TASK, model(0, 1), with_sampler(sampler), 0)
         assert sampler.drawn == min(good, 100)
-        assert (len(episode.steps) == 2) == works
+        assert (len(acted.steps) == 2) == works
         assert execution.success == works
         if not works:
             assert execution.fault.startswith("step 1 search(hand0): ")
 
 
 def test_what_is_not_initiable_ends_it() -> None:
-    execution, episode = react(WORLD, TASK, model(1), SKILLS, 0)
+    execution, acted = react(WORLD, TASK, model(1), SKILLS, 0)
     assert execution.fault == "step 1 unlock(door0, hand0): not initiable"
     assert not execution.trajectory.actions
-    assert episode.steps == ["unlock(door0, hand0)"]
+    assert acted.steps == ["unlock(door0, hand0)"]
 
 
 def test_effects_must_come_about() -> None:

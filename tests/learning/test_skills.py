@@ -17,8 +17,8 @@ from bpns.learning.models.settings import SkillConfig, shared_out
 from bpns.learning.models.solver import Solver
 from bpns.learning.networks.policies import LearnedPolicy, changing_features, policy_examples
 from bpns.learning.networks.samplers import LearnedSampler, discriminator_examples, generator_examples
-from bpns.learning.networks.training import Training
-from bpns.learning.operators.clustering import learn_operators
+from bpns.learning.networks.settings import Training
+from bpns.learning.operators.learn import learn_operators
 from bpns.symbolic import planners
 from bpns.symbolic.bilevel.exhaustive import exhaustive
 from bpns.symbolic.bilevel.solve import Plan, solve

@@ -15,7 +15,9 @@ from bpns.learning.networks.losses import (
 )
 from bpns.learning.networks.network import Folded, Network, Scaling, mean_of
 from bpns.learning.networks.perceptron import Perceptron
-from bpns.learning.networks.training import Training, _batches, _chosen_rows, fit, fit_members
+from bpns.learning.networks.rows import _chosen_rows
+from bpns.learning.networks.settings import Training
+from bpns.learning.networks.training import _batches, fit, fit_members
 
 
 def reference_likelihood(outputs: Tensor, targets: Tensor) -> Tensor:
