@@ -14,7 +14,7 @@ help:
 	@echo "make check               the gates without the tests"
 	@echo "make pddl-out            make pddl_out/ again"
 	@echo "make benchmark           both presets, learned and oracle skills: makes docs/benchmark.md; hours"
-	@echo "make benchmark-planners  every planner on the problems in pddl_out and ../shared; makes docs/planners.md"
+	@echo "make benchmark-planners  every planner on the problems in pddl_out and tests/data; makes docs/planners.md"
 
 .venv/bin/pip:
 	$(PYTHON) -m venv .venv

@@ -1,6 +1,6 @@
 """Mutate PDDL files and look for a traceback, a wait of more than a second, or a round trip that differs.
 
-The corpus is pddl_out and, where they are, the competition files and cases of ../shared. File number n of
+The corpus is pddl_out and the competition files and cases of tests/data. File number n of
 seed s is always the same, whatever the number of processes. Offending pairs are saved as NUMBER-domain.pddl
 and NUMBER-problem.pddl with NUMBER.txt, which says why. Exits with 1 where there are any.
 """
@@ -27,8 +27,8 @@ HANGS = 20  # seconds after which a file is given up
 @cache
 def files_of_corpus() -> list[Files]:
     """Return the corpus of this machine."""
-    shared = ROOT.parent / "shared"
-    return corpus([ROOT / "pddl_out", shared / "pddl", shared / "pddl-bench", shared / "pddl-cases"])
+    data = ROOT / "tests" / "data"
+    return corpus([ROOT / "pddl_out", data / "pddl", data / "pddl-bench", data / "pddl-cases"])
 
 
 def _give_up(number: int, frame: FrameType | None) -> None:

@@ -1,6 +1,6 @@
 """How soon a planner has many abstract plans, and how early they differ.
 
-On ../shared/pddl-bench. Per problem and planner: CPU seconds for reading and grounding, from then to the
+On tests/data/pddl-bench. Per problem and planner: CPU seconds for reading and grounding, from then to the
 first plan and to the last; how many different first three steps there are among the first 8, 30, 100 and all;
 the shortest and the longest plan.
 
@@ -24,7 +24,7 @@ from bpns.symbolic.planners.costs import Costs
 from bpns.symbolic.planners.protocol import AbstractPlan, Limit, SearchRecord
 from bpns.symbolic.planners.registry import load
 
-FOLDER = Path(__file__).parents[2] / "shared" / "pddl-bench"
+FOLDER = Path(__file__).parents[1] / "tests" / "data" / "pddl-bench"
 PROBLEMS = ("stick-10", "stick-15", "doors-20", "cover-6", "coffee-4", "doors-100")
 
 

@@ -35,7 +35,7 @@ from bpns.symbolic.planners.protocol import About, Limit, Planner
 from bpns.symbolic.planners.streams import first_plans
 
 ROOT = Path(__file__).parents[1]
-SHARED = ROOT.parent / "shared"
+DATA = ROOT / "tests" / "data"
 PATIENT = ("astar", "pyperplan")  # these two get competition files too, and more time
 UNMEASURED = ("command",)  # a family without a program
 Text = tuple[str, ...]  # a plan, a step each
@@ -91,13 +91,13 @@ def cases() -> Iterator[Case]:
         yield Case(path.parent.name, path.parent / "domain.pddl", path)
     domains = {
         _word(r"\(define\s*\(domain\s+([^\s)]+)", path): path
-        for path in sorted((SHARED / "pddl-bench").glob("*-domain.pddl"))
+        for path in sorted((DATA / "pddl-bench").glob("*-domain.pddl"))
     }
-    for path in sorted((SHARED / "pddl-bench").glob("*.pddl")):
+    for path in sorted((DATA / "pddl-bench").glob("*.pddl")):
         domain = domains.get(_word(r"\(:domain\s+([^\s)]+)", path))
         if domain is not None:
             yield Case("pddl-bench", domain, path)
-    for path in sorted((SHARED / "pddl").glob("*/task*.pddl")):
+    for path in sorted((DATA / "pddl").glob("*/task*.pddl")):
         own = path.with_name(path.name.replace("task", "domain"))
         yield Case(f"ipc-{path.parent.name}", own if own.exists() else path.parent / "domain.pddl", path)
 

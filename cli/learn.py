@@ -3,6 +3,8 @@
 import gc
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
@@ -61,9 +63,8 @@ def command(
     world = bpns.load_environment(environment) if environment else bpns.world_of(demonstrations)
     data = bpns.read_demonstrations(demonstrations, world)
     check_model_output(out, overwrite)
-    gc.freeze()  # what was read stays: looking through it again and again takes seconds
     command = shlex.join(["bpns", *sys.argv[1:]])
-    with progress_bar("training") as progress:
+    with progress_bar("training") as progress, _frozen():
         model = bpns.learn(world, data, approach, seed, preset, min_share, device, workers, progress, command)
     model.save(out, overwrite=True)
     for name, operator in model.operators.items():
@@ -78,3 +79,13 @@ def command(
         kind = "chooses among them" if model.graph.skills else "gives the actions"
         click.echo(f"a graph network {kind} (loss on held-out examples {loss:.4g}, {epochs} epochs)")
     click.echo(f"learned {len(model.skills)} skills in {model.run['seconds']:.1f} s: {out}")
+
+
+@contextmanager
+def _frozen() -> Iterator[None]:
+    """Keep what was read out of garbage collections: looking through it again and again takes seconds."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()

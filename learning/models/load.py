@@ -67,9 +67,9 @@ def _operators(folder: Path, file: ModelFile, environment: Environment) -> tuple
             "or put back the file of this model"
         )
     operators = bind_operators(domain, environment, path)
-    found = {operator.name for operator in operators}
+    found = [operator.name for operator in operators]
     have = ", ".join(file.skills)
-    for name in (operator.name for operator in operators):
+    for name in found:
         if name not in file.skills:
             raise InputError(
                 f"{path}: operator '{name}' has no weights (skills.json has: {have}): "

@@ -1,4 +1,7 @@
-"""Segments -> clusters of those that are alike but for their objects. Source: spec, algorithm.md section 4."""
+"""Segments -> clusters of segments that are alike but for the objects.
+
+Source: spec, algorithm.md section 4.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -253,14 +253,14 @@ def test_envs_check_tells_everything_that_is_missing(bpns: Run) -> None:
     assert (code, err.count("\n")) == (36, 1)
 
 
-def test_replay(bpns: Run, shared: Path, tmp_path: Path) -> None:
-    recording = shared / "reference" / "cover.json.gz"
+def test_replay(bpns: Run, data: Path, tmp_path: Path) -> None:
+    recording = data / "reference" / "cover.json.gz"
     code, out, _ = bpns("replay", recording)
     assert code == 0
     assert out.endswith("0 differences\n")
     code, out, _ = bpns("replay", recording, "--json")
     assert json.loads(out)["different"] == 0
-    code, _, err = bpns("replay", shared / "reference" / "coffee.json.gz", "--environment", "cover")
+    code, _, err = bpns("replay", data / "reference" / "coffee.json.gz", "--environment", "cover")
     assert (code, err.count("\n")) == (36, 1)
     assert "this recording is of 'coffee'" in err
 

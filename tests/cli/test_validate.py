@@ -37,8 +37,8 @@ def test_all_that_is_installed_runs_by_default(bpns: Run, tmp_path: Path) -> Non
         assert "holding" in by_name[name]["verdicts"][2]["text"].lower()
 
 
-def test_disagreement_is_said(bpns: Run, shared: Path) -> None:
-    folder = shared / "pddl-cases" / "i28-dup-type"
+def test_disagreement_is_said(bpns: Run, data: Path) -> None:
+    folder = data / "pddl-cases" / "i28-dup-type"
     code, out, _ = bpns("validate", folder / "domain.pddl", folder / "problem.pddl", *OURS)
     assert code == 1
     assert out.splitlines()[-2:] == ["DISAGREE on domain: valid says kairos; invalid says bpns", "INVALID"]
@@ -50,8 +50,8 @@ def test_a_domain_alone(bpns: Run) -> None:
     assert (code, out.splitlines()[-1]) == (0, "valid: bpns, kairos agree")
 
 
-def test_unsupported_is_no_fault(bpns: Run, shared: Path) -> None:
-    folder = shared / "pddl-cases" / "v13-cond-effect"
+def test_unsupported_is_no_fault(bpns: Run, data: Path) -> None:
+    folder = data / "pddl-cases" / "v13-cond-effect"
     files = (folder / "domain.pddl", folder / "problem.pddl")
     code, out, _ = bpns("validate", *files, "--checker", "bpns")
     assert code == 37

@@ -26,8 +26,8 @@ from tests.envs._doors_worlds import (
 
 
 @pytest.fixture(scope="module")
-def recording(shared: Path) -> Any:
-    return json.loads(gzip.decompress((shared / "reference" / "doors.json.gz").read_bytes()))
+def recording(data: Path) -> Any:
+    return json.loads(gzip.decompress((data / "reference" / "doors.json.gz").read_bytes()))
 
 
 # --------------------------------------------------------------------------------------- recording

@@ -81,16 +81,16 @@ def switches(moves: Mapping[str, tuple[str, str]], init: str, goal: str) -> tupl
     return domain, Problem("task", (), atoms(init, "+"), atoms(goal, "+"), atoms(goal, "-"))
 
 
-def competition_files(shared: Path, folder: str, number: int) -> tuple[Path, Path]:
+def competition_files(data: Path, folder: str, number: int) -> tuple[Path, Path]:
     """Return domain and problem file of a task of the International Planning Competition."""
-    path = shared / "pddl" / folder
+    path = data / "pddl" / folder
     own = path / f"domain{number:02}.pddl"
     return own if own.exists() else path / "domain.pddl", path / f"task{number:02}.pddl"
 
 
-def competition_task(shared: Path, folder: str, number: int) -> tuple[Domain, Problem]:
+def competition_task(data: Path, folder: str, number: int) -> tuple[Domain, Problem]:
     """Read a task of the International Planning Competition."""
-    domain_file, problem_file = competition_files(shared, folder, number)
+    domain_file, problem_file = competition_files(data, folder, number)
     domain = read_domain(domain_file)
     return domain, read_problem(problem_file, domain)
 

@@ -37,8 +37,8 @@ def read_back(domain: Domain, problem: Problem | None = None) -> tuple[Domain, P
     return parse_domain(text, names=names), parse_problem(written, domain, names=names)
 
 
-def read_case(shared: Path, number: str) -> tuple[Domain, Problem]:
-    (folder,) = (shared / "pddl-cases").glob(f"{number}-*")
+def read_case(data: Path, number: str) -> tuple[Domain, Problem]:
+    (folder,) = (data / "pddl-cases").glob(f"{number}-*")
     domain = read_domain(folder / "domain.pddl")
     return domain, read_problem(folder / "problem.pddl", domain)
 

@@ -157,9 +157,9 @@ def test_nothing_to_do_is_the_only_plan(planner: str) -> None:
 
 
 @pytest.mark.parametrize("planner", listed("kstar"))
-def test_names_that_other_tools_do_not_take(planner: str, shared: Path) -> None:
+def test_names_that_other_tools_do_not_take(planner: str, data: Path) -> None:
     """An operator called when, mixed case, hyphens: the operators come back under their own names."""
-    folder = shared / "pddl-bench"
+    folder = data / "pddl-bench"
     domain = read_domain(folder / "names-domain.pddl")
     task = grounded(domain, read_problem(folder / "names-p.pddl", domain))
     first_two = first(planner, task, 2)
@@ -167,9 +167,9 @@ def test_names_that_other_tools_do_not_take(planner: str, shared: Path) -> None:
     assert {len(plan.steps) for plan in first_two} == {2, 3}
 
 
-def readable_cases(shared: Path) -> Iterator[tuple[str, GroundProblem]]:
+def readable_cases(data: Path) -> Iterator[tuple[str, GroundProblem]]:
     """Yield the valid cases that we read and that have plans."""
-    for folder in sorted((shared / "pddl-cases").glob("v*")):
+    for folder in sorted((data / "pddl-cases").glob("v*")):
         try:
             domain = read_domain(folder / "domain.pddl")
             task = ground(domain, read_problem(folder / "problem.pddl", domain))
@@ -181,10 +181,10 @@ def readable_cases(shared: Path) -> Iterator[tuple[str, GroundProblem]]:
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("planner", listed(among=set(VARIED) - {"up:symk"}))
-def test_cases_of_pddl(planner: str, shared: Path) -> None:
+def test_cases_of_pddl(planner: str, data: Path) -> None:
     """Constants, negative conditions and goals, equality, either, untyped, clashing names, ..."""
     count = 0
-    for name, task in readable_cases(shared):
+    for name, task in readable_cases(data):
         wanted = first("astar", task, 1)
         found = first(planner, task, 1)
         assert len(found) == len(wanted), name

@@ -49,28 +49,28 @@ CHECKERS = ["bpns", "kairos", pytest.param("unified_planning", marks=pytest.mark
 
 
 @pytest.mark.parametrize("checker", CHECKERS)
-def test_invalid_cases_that_a_checker_does_not_see(shared: Path, checker: str) -> None:
-    folders = sorted((shared / "pddl-cases").glob("i*/"))
+def test_invalid_cases_that_a_checker_does_not_see(data: Path, checker: str) -> None:
+    folders = sorted((data / "pddl-cases").glob("i*/"))
     unseen = [f.name[:3] for f in folders if not {"fault", "failed"} & set(levels(checker, case(f)))]
     assert unseen == UNSEEN[checker].split()
     assert len(folders) == 30
 
 
 @pytest.mark.parametrize("checker", CHECKERS[1:])
-def test_valid_cases_are_accepted_or_unsupported(shared: Path, checker: str) -> None:
-    for folder in sorted((shared / "pddl-cases").glob("v*/")):
+def test_valid_cases_are_accepted_or_unsupported(data: Path, checker: str) -> None:
+    for folder in sorted((data / "pddl-cases").glob("v*/")):
         unsupported = checker == "unified_planning" and folder.name == "v09-either"
         expected = "unsupported" if unsupported else "ok"
         assert set(levels(checker, case(folder))) == {expected}, folder.name
 
 
-def test_ours_finds_no_fault_in_valid_cases(shared: Path) -> None:
-    for folder in sorted((shared / "pddl-cases").glob("v*/")):
+def test_ours_finds_no_fault_in_valid_cases(data: Path) -> None:
+    for folder in sorted((data / "pddl-cases").glob("v*/")):
         assert set(levels("bpns", case(folder))) <= {"ok", "unsupported"}, folder.name
 
 
-def test_a_domain_alone_is_checked(shared: Path) -> None:
-    domain = reports.read_inputs(shared / "pddl-cases" / "i07-dup-action" / "domain.pddl")
+def test_a_domain_alone_is_checked(data: Path) -> None:
+    domain = reports.read_inputs(data / "pddl-cases" / "i07-dup-action" / "domain.pddl")
     assert domain.items == ("domain",)
     assert {tuple(levels(checker, domain)) for checker in ("bpns", "kairos")} == {("fault",)}
 

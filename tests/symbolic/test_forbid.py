@@ -195,12 +195,12 @@ def test_nodes_are_no_objects_of_operators_and_share_no_name() -> None:
     assert plans[2] == {(("look", ("outside",)), ("look", ("node0",)))}
 
 
-def test_other_readers_take_what_is_written(tmp_path: Path, shared: Path) -> None:
+def test_other_readers_take_what_is_written(tmp_path: Path, data: Path) -> None:
     kairos = pytest.importorskip("kairos")
     io = pytest.importorskip("unified_planning.io")
     parser = pytest.importorskip("pyperplan.pddl.parser")
-    domain = read_domain(shared / "pddl-bench" / "coffee-domain.pddl")
-    problem = read_problem(shared / "pddl-bench" / "coffee-2.pddl", domain)
+    domain = read_domain(data / "pddl-bench" / "coffee-domain.pddl")
+    problem = read_problem(data / "pddl-bench" / "coffee-2.pddl", domain)
     rewritten = portable(domain, problem, False, False)
     plan = ask_astar(rewritten)
     assert plan is not None

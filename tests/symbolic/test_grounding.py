@@ -76,8 +76,8 @@ def test_grounding_equals_the_filtered_cross_product_on_solvable_tasks(
 
 @pytest.mark.filterwarnings("ignore::bpns.symbolic.pddl.read.PddlWarning")  # miconic forgot :typing
 @pytest.mark.parametrize("folder", CROSS_PRODUCTS_OF_THOUSANDS.split())
-def test_grounding_equals_the_filtered_cross_product_on_competition_tasks(shared: Path, folder: str) -> None:
-    domain, problem = competition_task(shared, folder, 1)
+def test_grounding_equals_the_filtered_cross_product_on_competition_tasks(data: Path, folder: str) -> None:
+    domain, problem = competition_task(data, folder, 1)
     assert grounded(domain, problem).operators
     check_against_cross_product(domain, problem)
 

@@ -69,8 +69,8 @@ def test_parameter_of_either_takes_objects_of_both_types_and_no_other() -> None:
     ("number", "length"),
     [(1, 1), (2, 6), (3, 6)],  # of pyperplan's A* with LM-cut
 )
-def test_zenotravel_is_solved(shared: Path, number: int, length: int) -> None:
-    found = ground(*competition_task(shared, "zenotravel", number))
+def test_zenotravel_is_solved(data: Path, number: int, length: int) -> None:
+    found = ground(*competition_task(data, "zenotravel", number))
     assert isinstance(found, GroundProblem)
     limit = Limit(10**6, float("inf"))
     plan = next(planners.load("astar").plans(found, np.random.default_rng(0), limit, SearchRecord()))
@@ -285,15 +285,15 @@ def test_messages_are_short_and_printable(word: str) -> None:
 
 
 @pytest.mark.parametrize("number", ["v10", "v09", "v19", "v07"])
-def test_kairos_reads_equality_and_either_as_we_write_them(shared: Path, number: str) -> None:
+def test_kairos_reads_equality_and_either_as_we_write_them(data: Path, number: str) -> None:
     kairos = pytest.importorskip("kairos")
-    domain, problem = read_case(shared, number)
+    domain, problem = read_case(data, number)
     checked = kairos.check_problem(write_problem(problem, domain), write_domain(domain))
     assert checked.diagnostics == []
 
 
-def test_unified_planning_reads_equality_as_we_write_it(shared: Path) -> None:
+def test_unified_planning_reads_equality_as_we_write_it(data: Path) -> None:
     io = pytest.importorskip("unified_planning.io")
-    domain, problem = read_case(shared, "v10")
+    domain, problem = read_case(data, "v10")
     read = io.PDDLReader().parse_problem_string(write_domain(domain), write_problem(problem, domain))
     assert "not (a == b)" in str(read.action("pour")).replace("(not", "not")

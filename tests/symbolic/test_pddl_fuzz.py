@@ -17,8 +17,8 @@ SLOW = 1e9  # seconds: how fast a machine is, is no property of the code
 
 
 @pytest.mark.parametrize("part", range(4))
-def test_damaged_files_are_read_or_refused(shared: Path, part: int) -> None:
-    files = corpus([shared / "pddl-cases", shared / "pddl-bench"])
+def test_damaged_files_are_read_or_refused(data: Path, part: int) -> None:
+    files = corpus([data / "pddl-cases", data / "pddl-bench"])
     outcomes = []
     for number in range(100):
         damaged = mutated(Random(f"{part}:{number}"), files)
@@ -28,8 +28,8 @@ def test_damaged_files_are_read_or_refused(shared: Path, part: int) -> None:
     assert {"read", "refused"} == set(outcomes)
 
 
-def test_undamaged_files_are_no_offence(shared: Path) -> None:
-    files = corpus([ROOT / "pddl_out", shared / "pddl-cases", shared / "pddl-bench"])
+def test_undamaged_files_are_no_offence(data: Path) -> None:
+    files = corpus([ROOT / "pddl_out", data / "pddl-cases", data / "pddl-bench"])
     assert len(files) > 100
     assert not [verdict.offence for f in files if (verdict := judge(f, SLOW)).offence]
 

@@ -30,37 +30,37 @@ WARNED = {
 # ------------------------------------------------------------------------------- the shared cases
 
 
-def test_no_shared_case_is_left_out(shared: Path) -> None:
-    listed = json.loads((shared / "pddl-cases" / "cases.json").read_text())
+def test_no_shared_case_is_left_out(data: Path) -> None:
+    listed = json.loads((data / "pddl-cases" / "cases.json").read_text())
     assert {name[:3] for name in listed} == {f"{kind}{n:02}" for kind in "iv" for n in range(1, 31)}
 
 
 @pytest.mark.parametrize("number", [n for n in (f"i{i:02}" for i in range(1, 31)) if n not in WARNED])
-def test_invalid_case_is_refused_with_its_place(shared: Path, number: str) -> None:
+def test_invalid_case_is_refused_with_its_place(data: Path, number: str) -> None:
     with pytest.raises(PddlError, match=r"/(domain|problem)\.pddl:[1-9]\d*:[1-9]\d*: \w*") as caught:
-        read_case(shared, number)
+        read_case(data, number)
     assert not isinstance(caught.value, UnsupportedPddl)
 
 
 @pytest.mark.parametrize("number", WARNED)
-def test_missing_requirement_is_a_warning_with_its_place(shared: Path, number: str) -> None:
+def test_missing_requirement_is_a_warning_with_its_place(data: Path, number: str) -> None:
     with pytest.warns(PddlWarning, match=WARNED[number]):
-        domain, problem = read_case(shared, number)
+        domain, problem = read_case(data, number)
     assert read_back(domain, problem) == (domain, problem)
 
 
 @pytest.mark.parametrize("number", [n for n in (f"v{i:02}" for i in range(1, 31)) if n not in UNSUPPORTED])
-def test_valid_case_is_read_and_written_back(shared: Path, number: str) -> None:
-    domain, problem = read_case(shared, number)
+def test_valid_case_is_read_and_written_back(data: Path, number: str) -> None:
+    domain, problem = read_case(data, number)
     assert read_back(domain, problem) == (domain, problem)
 
 
 @pytest.mark.parametrize(("number", "feature"), UNSUPPORTED.items())
 def test_valid_case_with_more_than_we_read_is_refused_by_the_name_of_the_feature(
-    shared: Path, number: str, feature: str
+    data: Path, number: str, feature: str
 ) -> None:
     with pytest.raises(UnsupportedPddl, match=rf"\.pddl:\d+:\d+: unsupported PDDL: {re.escape(feature)}$"):
-        read_case(shared, number)
+        read_case(data, number)
 
 
 COMPETITION = (
@@ -71,9 +71,9 @@ COMPETITION = (
 
 @pytest.mark.filterwarnings("ignore::bpns.symbolic.pddl.read.PddlWarning")  # miconic forgot :typing
 @pytest.mark.parametrize("folder", COMPETITION.split())
-def test_competition_tasks_are_read_and_written_back(shared: Path, folder: str) -> None:
+def test_competition_tasks_are_read_and_written_back(data: Path, folder: str) -> None:
     for number in (1, 2, 3):
-        domain_file, problem_file = competition_files(shared, folder, number)
+        domain_file, problem_file = competition_files(data, folder, number)
         domain = read_domain(domain_file)
         problem = read_problem(problem_file, domain)
         assert read_back(domain, problem) == (domain, problem)

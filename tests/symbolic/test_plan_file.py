@@ -112,10 +112,10 @@ def test_names_in_a_message_are_not_a_flood() -> None:
         ground_steps(parse_plan("(pick block99 robby)"), COVER, cover_problem(20))
 
 
-def test_domain_with_mixed_case(shared: Path) -> None:
+def test_domain_with_mixed_case(data: Path) -> None:
     from bpns.symbolic.pddl.read import parse_domain, parse_problem
 
-    folder = shared / "pddl-cases" / "v06-mixed-case-mismatch"
+    folder = data / "pddl-cases" / "v06-mixed-case-mismatch"
     domain = parse_domain((folder / "domain.pddl").read_text())
     problem = parse_problem((folder / "problem.pddl").read_text(), domain)
     some = all_ground_operators(domain, problem)[0]

@@ -87,9 +87,9 @@ OPTIMA = {
 
 
 @pytest.mark.parametrize("folder", OPTIMA)
-def test_first_plans_of_competition_tasks_are_as_short_as_known(shared: Path, folder: str) -> None:
+def test_first_plans_of_competition_tasks_are_as_short_as_known(data: Path, folder: str) -> None:
     for number, length in enumerate(OPTIMA[folder], 1):
-        domain, problem = competition_task(shared, folder, number)
+        domain, problem = competition_task(data, folder, number)
         plan = next(plans(grounded(domain, problem))[0])
         check_plan(problem, plan)
         assert len(plan.steps) == length

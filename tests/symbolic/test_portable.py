@@ -188,18 +188,16 @@ def test_every_reader_takes_tasks_with_equality_and_either(tmp_path: Path, seed:
     accept(portable(*rich_task(seed), not lacking, not lacking), tmp_path)
 
 
-def collections(shared: Path) -> dict[str, list[tuple[Path, Path]]]:
+def collections(data: Path) -> dict[str, list[tuple[Path, Path]]]:
     """Return domain and problem files by collection."""
-    bench, competition = shared / "pddl-bench", shared / "pddl"
+    bench, competition = data / "pddl-bench", data / "pddl"
     found = {
         "bench": [
             (bench / f"{p.stem.split('-')[0].replace('unsolv', 'cover')}-domain.pddl", p)
             for p in sorted(bench.glob("*.pddl"))
             if not p.stem.endswith("-domain")
         ],
-        "cases": [
-            (p / "domain.pddl", p / "problem.pddl") for p in sorted((shared / "pddl-cases").glob("v*"))
-        ],
+        "cases": [(p / "domain.pddl", p / "problem.pddl") for p in sorted((data / "pddl-cases").glob("v*"))],
         "learned": [(p.parent / "domain.pddl", p) for p in sorted(ROOT.glob("pddl_out/*/p*.pddl"))],
         "competitions": [],
     }
@@ -215,10 +213,10 @@ def collections(shared: Path) -> dict[str, list[tuple[Path, Path]]]:
     ("collection", "least"), [("bench", 12), ("cases", 24), ("learned", 40), ("competitions", 63)]
 )
 def test_every_reader_takes_all_files(
-    shared: Path, tmp_path: Path, collection: str, least: int, lacking: bool
+    data: Path, tmp_path: Path, collection: str, least: int, lacking: bool
 ) -> None:
     read = 0
-    for domain_file, problem_file in collections(shared)[collection]:
+    for domain_file, problem_file in collections(data)[collection]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
