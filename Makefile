@@ -5,13 +5,15 @@ PIP := $(BIN)/pip install --disable-pip-version-check -q -c constraints.txt
 RUN := runs/quickstart
 ENVIRONMENTS := cover doors stick_button coffee
 .DEFAULT_GOAL := help
-.PHONY: help quickstart test slow check pddl-out benchmark benchmark-planners
+.PHONY: help quickstart test slow check docs dist pddl-out benchmark benchmark-planners
 
 help:
 	@echo "make quickstart          learn Cover, export PDDL, plan with pyperplan, show the result"
 	@echo "make test                all gates: ruff, mypy, pytest"
 	@echo "make slow                the tests that take longer"
 	@echo "make check               the gates without the tests"
+	@echo "make docs                the pages, in docs/_build/html"
+	@echo "make dist                wheel and source distribution, in dist/, checked"
 	@echo "make pddl-out            make pddl_out/ again"
 	@echo "make benchmark           both presets, learned and oracle skills: makes docs/benchmark.md; hours"
 	@echo "make benchmark-planners  every planner on the problems in pddl_out and tests/data; makes docs/planners.md"
@@ -20,7 +22,7 @@ help:
 	$(PYTHON) -m venv .venv
 
 .venv/.user: .venv/bin/pip pyproject.toml constraints.txt
-	$(PIP) -e '.[pyperplan]'
+	$(PIP) -e .
 	@touch $@
 
 .venv/.dev: .venv/bin/pip pyproject.toml constraints.txt
@@ -52,6 +54,15 @@ test: check
 
 slow: .venv/.dev
 	$(BIN)/pytest -n 2 -m slow
+
+docs: .venv/.dev
+	$(BIN)/sphinx-build -q -W -E -b html docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+dist: .venv/.dev
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation
+	$(BIN)/twine check --strict dist/*
 
 pddl-out: .venv/.user
 	@for e in $(ENVIRONMENTS); do \

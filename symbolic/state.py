@@ -72,7 +72,7 @@ class State:
         return [value for obj in objects for value in self.features[obj.name]]
 
     def close(self, other: "State") -> bool:
-        """Say whether all features agree within 1e-3 + 1e-5 |other| (the stuck tests' tolerance)."""
+        """Say whether all features agree within 1e-3 plus 1e-5 of the other's value (the stuck test)."""
         for name, values in self.features.items():
             others = other.features[name]
             if values is not others:  # what a step leaves alone is the same tuple

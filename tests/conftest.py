@@ -1,10 +1,13 @@
 import os
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from bpns import envs
+from bpns.cli.main import main
 from bpns.learning.data.demonstrations import Demonstrations, collect
 from bpns.learning.models.learn import LearnedSkill, learn_skills
 from bpns.learning.models.settings import SkillConfig
@@ -34,3 +37,22 @@ def data() -> Path:
     own, beside = Path(__file__).parent / "data", Path(__file__).parents[2] / "shared"
     has_all = all((beside / folder.name).is_dir() for folder in own.iterdir() if folder.is_dir())
     return beside if has_all else own
+
+
+@pytest.fixture
+def bpns(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, str]]:
+    """Runs the program in this process; gives exit code, standard output, standard error."""
+
+    def run(*words: str | Path) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["bpns", *map(str, words)])
+        try:
+            main()
+            code = 0
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
