@@ -29,15 +29,13 @@ def test_code_on_a_page_runs(page: str, bpns: Run, tmp_path: Path, monkeypatch: 
     names: dict[str, object] = {"__name__": "__main__"}
     for kind, text in BLOCK.findall((ROOT / page).read_text(encoding="utf-8")):
         if kind == "python":
-            exec(compile(text, page, "exec"), names)  # the point of this test
+            exec(compile(text, page, "exec"), names)
             continue
         for line in text.splitlines():
             words = shlex.split(line, comments=True)
             if words[:1] == ["bpns"]:
                 code, out, err = bpns(*words[1:])
-                assert code in (0, 12), (
-                    f"{line}\n{out}{err}"
-                )  # 12: a goal that cannot be reached in this state
+                assert code in (0, 12), f"{line}\n{out}{err}"  # 12: a goal that cannot be reached
 
 
 @pytest.mark.parametrize("page", ["README.md", *(f"docs/{p.name}" for p in DOCS.glob("*.md"))])
