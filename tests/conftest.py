@@ -56,3 +56,9 @@ def bpns(
         return code, captured.out, captured.err
 
     return run
+
+
+@pytest.fixture
+def bpns_program(bpns: Callable[..., tuple[int, str, str]]) -> Callable[..., tuple[int, str, str]]:
+    """The same, where ``bpns`` is the package."""
+    return bpns
