@@ -202,6 +202,7 @@ def test_too_few_examples_and_no_such_device() -> None:
         device_of("nonsense")
 
 
+@pytest.mark.slow  # of machines that have one
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no GPU here")
 def test_a_gpu_gives_the_same_within_tolerance() -> None:
     once = replace(FEW, epochs=2)  # sums in another order grow apart in the end
