@@ -15,6 +15,7 @@ from statistics import fmean, median, pstdev
 from typing import Any
 
 import numpy as np
+from _commit import commit
 
 from bpns.symbolic.files import write_json, write_text
 
@@ -229,7 +230,8 @@ def main() -> None:
         seeds = arguments.paper_seeds if slow else arguments.seeds
         found[run] = [results(arguments.out, run, seed) for seed in seeds]
         print(" | ".join(row(run, found[run])), flush=True)
-    text = f"# Benchmark\n\nMade by `{' '.join(['python', *sys.argv])}`, {TASKS} tasks a seed.\n"
+    made = f"Made by `{' '.join(['python', *sys.argv])}` at commit {commit()}"
+    text = f"# Benchmark\n\n{made}, {TASKS} tasks a seed.\n"
     for preset in arguments.presets:
         lines = [row(run, seeds) for run, seeds in found.items() if run.preset == preset]
         text += f"\n## Preset {preset}\n\n{markdown([HEADER, *lines])}"
