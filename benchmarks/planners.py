@@ -1,10 +1,11 @@
 """Every installed planner on real PDDL: seconds to the first plan, lengths, and plans checked independently.
 
 Problems: pddl_out/, tests/data/pddl-bench and tests/data/pddl (competition files, for astar and pyperplan
-only, unless --all). Each planner gives up to --plans plans, astar 100. Planners that promise plans in order of length must agree on the shortest length and keep the order; no plan may come
-twice; each plan must be valid for us, for kairos and (as many as --validation seconds a problem allow) for
-unified-planning. Prints a line for each planner and folder, then a summary; --out writes it as Markdown.
-Exits with 1 on any fault except that a planner failed, which is told and ends only its own plans.
+only, unless --all). Each planner gives up to --plans plans, astar 100. Planners that promise plans in order
+of length must agree on the shortest length and keep the order; no plan may come twice; each plan must be
+valid for us, for kairos and (as many as --validation seconds a problem allow) for unified-planning. Prints a
+line for each planner and folder, then a summary; --out writes it as Markdown. Exits with 1 on any fault
+except that a planner failed, which is told and ends only its own plans.
 """
 
 import argparse
@@ -275,7 +276,8 @@ def document(
     return (
         "# Planners compared\n\n"
         f"Of commit {commit()}. Made by `{command}` on {_machine()}, {arguments.workers} problems at a time. "
-        "Seconds are those to the first plan, from the grounded problem on, writing PDDL and starting the planner included; "
+        "Seconds are those to the first plan, from the grounded problem on, writing PDDL and starting the "
+        "planner included; "
         "*solved* means within the time limit. *faults*: a plan that a validator refuses, a plan twice, a "
         "wrong order, another shortest length than the other optimal planners, or a planner that failed.\n\n"
         f"{markdown(first)}\n{notes}\n\n"

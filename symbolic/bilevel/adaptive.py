@@ -20,7 +20,9 @@ from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner
 from bpns.symbolic.skills.rollout import GroundSkill
 from bpns.symbolic.state import State
 
-PROPOSALS = 20  # that are known already, after which a sampler is taken to have no others
+# Proposals for each known one, and once more, that are all known: then a sampler is taken to have no others.
+# One of n that are alike is missed by so many with a chance of 1 in 20,000.
+PROPOSALS = 10
 MOST_IN_VAIN = 1000  # plans in a row of which nothing is left to sample, after which there is no hope
 FRESH_TURNS = 4  # first visits for each return, where the planner takes no costs
 # Which step is tried anew when one fails: relative weights. One whose effects the failed step needs is the
@@ -239,15 +241,26 @@ class _Visits:
         return fresh if candidate.few_tries(*fresh, self.settings.tries) else deepest
 
     def _back(self, candidate: _Candidate, now: _Reached, step: int) -> tuple[_Reached, int] | None:
-        """Choose a step to be tried anew, likely one on which this one rests; None where none can be."""
+        """Choose a step to be tried anew, likely one on which this one rests; None where none can be.
+
+        Where all on the way here are used up, any other state will do that the plan's steps ever reached.
+        """
         path = now.path()
         weights = np.array(
             [candidate.weight(i, step) if candidate.can_try(one, i) else 0.0 for i, one in enumerate(path)]
         )
         if not weights.any():
-            return None
+            left = list(self._left(candidate))
+            return left[int(self.rng.integers(len(left)))] if left else None
         earlier = int(self.rng.choice(step + 1, p=weights / weights.sum()))
         return path[earlier], earlier
+
+    def _left(self, candidate: _Candidate) -> Iterator[tuple[_Reached, int]]:
+        """Yield the states that a candidate's steps reached from which one more try may tell something."""
+        level = [self.root]
+        for step, operator in enumerate(candidate.plan.steps):
+            yield from ((one, step) for one in level if candidate.can_try(one, step))
+            level = [r for one in level if operator in one.next for r in one.next[operator].reached]
 
     def _close(self, candidate: _Candidate) -> None:
         """Let no plan begin like a candidate up to where nothing can lead on, whatever is tried."""
@@ -264,7 +277,7 @@ class _Visits:
         """Sample a subgoal and pursue it; return what it reached, None where it is a dead end."""
         skill, refining = candidate.skills[step], self.search.refining
         outcomes = now.next.setdefault(skill.operator, _Outcomes())
-        for _ in range(PROPOSALS):
+        for _ in range(PROPOSALS * (1 + len(outcomes.subgoals))):
             subgoal = skill.skill.sampler.sample(now.state, skill.operator.objects, self.rng)
             numbers = np.asarray(subgoal).tobytes()
             if numbers not in outcomes.subgoals:
