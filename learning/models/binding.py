@@ -1,5 +1,7 @@
 """Operators that were written as text, over an environment's own types and predicates."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from bpns.symbolic.errors import InputError
@@ -51,3 +53,31 @@ def bind_operators(domain: Domain, environment: Environment, path: Path) -> tupl
         )
 
     return tuple(bind(operator) for operator in domain.operators)
+
+
+def in_order(operator: Operator, parameters: Sequence[tuple[str, str]], path: Path) -> Operator:
+    """Return an operator with its parameters in the order in which its weights know them, as (name, type).
+
+    A parameter is known by its name, wherever it stands. One that was renamed is known by its type, where
+    that leaves no choice. Raises InputError where it does, or where the types are others.
+    """
+    wanted, found = [kind for _, kind in parameters], [v.type.name for v in operator.parameters]
+    if sorted(wanted) != sorted(found):
+        raise InputError(
+            f"{path}: {operator.name} has parameters of types ({', '.join(found)}), "
+            f"but its weights need ({', '.join(wanted)}): restore them, or learn again"
+        )
+    by_name = {(v.name.lower(), v.type.name): v for v in operator.parameters}
+    known = {(name, kind): by_name.get((name.lower(), kind)) for name, kind in parameters}
+    left = [v for v in operator.parameters if v not in known.values()]
+    for (name, kind), variable in known.items():
+        if variable is None:
+            fit = [v for v in left if v.type.name == kind]
+            if len(fit) > 1:
+                raise InputError(
+                    f"{path}: {operator.name}: which of {', '.join(v.name for v in fit)} was {name}? They "
+                    f"are of one type, and weights know them by name: rename {name} in skills.json too"
+                )
+            known[name, kind] = fit[0]
+    order = tuple(v for v in known.values() if v is not None)
+    return operator if order == operator.parameters else replace(operator, parameters=order)

@@ -9,7 +9,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import load_file
 
 from bpns.learning.graphs.saved import read_graph
-from bpns.learning.models.binding import bind_operators
+from bpns.learning.models.binding import bind_operators, in_order
 from bpns.learning.models.files import (
     GivenEntry,
     ModelFile,
@@ -81,7 +81,7 @@ def _operators(folder: Path, file: ModelFile, environment: Environment) -> tuple
                 f"{folder / 'skills.json'}: weights of '{name}' have no operator in domain.pddl: put the "
                 f"operator back{'' if file.graph and name in file.graph.skills else ', or remove this entry'}"
             )
-    return operators
+    return tuple(in_order(one, file.skills[one.name].parameters, path) for one in operators)
 
 
 def _header(path: Path) -> str:
@@ -99,13 +99,6 @@ def _skill(
     modules: Sequence[Path],
 ) -> Skill:
     """Put a skill together from its three files, or from a module of the user's."""
-    wanted = [kind for _, kind in entry.parameters]
-    found = [v.type.name for v in operator.parameters]
-    if wanted != found:
-        raise InputError(
-            f"{folder / 'domain.pddl'}: {operator.name} has parameters of types ({', '.join(found)}), "
-            f"but its weights need ({', '.join(wanted)}): restore them, or learn again"
-        )
     if entry.own is not None:
         return own_skill(entry.own, operator, environment, modules)
     if entry.given is not None:

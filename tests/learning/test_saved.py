@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import bpns
 from bpns import envs
 from bpns.learning.models.learn import LearnedSkill
 from bpns.learning.models.load import read_model
@@ -127,7 +128,7 @@ def change(name: str, old: str, new: str) -> Callable[[Path], None]:
         (change("domain.pddl", "op1", "put-down"), r"operator 'put-down' has no weights"),
         (change("domain.pddl", "?x1 - gripper ?x2", "?x2"), r"unknown variable '\?x1'"),
         (
-            change("domain.pddl", "(?x0 - block ?x1 - gripper)", "(?x1 - gripper ?x0 - block)"),
+            change("domain.pddl", "(?x0 - block ?x1 - gripper)", "(?x0 - block ?x1 - gripper ?x9 - block)"),
             "need .block, grip",
         ),
         (change("domain.pddl", "(isblock ?x0)", "(ishot ?x0)"), r"unknown predicate 'ishot'"),
@@ -166,3 +167,42 @@ def test_syntax_errors_carry_their_place(model: Path) -> None:
     edit(model / "domain.pddl", "(handempty)\n      (isblock ?x0))", "(handempty)\n      (isblock))")
     with pytest.raises(PddlError, match=r"domain\.pddl:\d+:7: IsBlock takes 1 argument"):
         read_model(model, COVER)
+
+
+def test_parameters_are_known_by_name(tmp_path: Path) -> None:
+    """Two of one type, swapped in the list: the weights stay with their objects. Doors fell to 30 % once."""
+    doors = bpns.load_environment("doors")
+    model = bpns.learn(doors, bpns.collect(doors, count=25, seed=0), seed=0)
+    model.save(tmp_path / "model")
+    path = tmp_path / "model" / "domain.pddl"
+    name, operator = next(
+        (name, one)
+        for name, one in model.operators.items()
+        if len({v.type for v in one.parameters}) < len(one.parameters)
+    )
+    first, second = (v.name for v in twins(operator))
+    text = path.read_text()
+    start = text.index(f"(:action {name.lower()}\n")
+    line = text[text.index(":parameters", start) :].partition("\n")[0]
+    swapped = (
+        line.replace(f"{first} -", "?other -").replace(f"{second} -", f"{first} -").replace("?other", second)
+    )
+    assert swapped != line
+    path.write_text(
+        text.replace(line, swapped, 1)
+        if text.count(line) == 1
+        else text[:start] + text[start:].replace(line, swapped, 1)
+    )
+    again = bpns.load_model(tmp_path / "model")
+    task = doors.task("test", 1)
+    plans = [one.plan(task, seed=1).plan for one in (model, again)]
+    assert all(plans)
+    assert [str(step) for step in plans[0].steps] == [str(step) for step in plans[1].steps]  # type: ignore[union-attr]
+    path.write_text(text[:start] + text[start:].replace(first, "?one").replace(second, "?two"))
+    with pytest.raises(bpns.InputError, match=r"which of \?one, \?two was"):
+        bpns.load_model(tmp_path / "model")
+
+
+def twins(operator: bpns.Operator) -> list[bpns.Variable]:
+    kinds = [v.type for v in operator.parameters]
+    return [v for v in operator.parameters if kinds.count(v.type) > 1][:2]
