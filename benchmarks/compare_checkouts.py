@@ -97,7 +97,8 @@ def main(before: Path, after: Path, count: int, tasks: int, repeat: int) -> None
                 again = (
                     [*words, "--overwrite"] if turn and words[0] in ("demos", "learn", "export") else words
                 )
-                for side, (checkout, folder) in enumerate(((before, one), (after, two))):
+                sides = list(enumerate(((before, one), (after, two))))
+                for side, (checkout, folder) in sides[:: 1 if turn % 2 else -1]:
                     printed[side], spent = run(checkout.resolve(), Path(folder), again)
                     seconds[side] = min(seconds[side], spent)
             same = printed[0] == printed[1] and contents(Path(one)) == contents(Path(two))

@@ -31,7 +31,6 @@ from bpns.cli._options import (
     timeout_option,
 )
 from bpns.cli._plan_text import exit_code, outcome_json, outcome_text, print_plans
-from bpns.envs.animation import animation_format
 from bpns.model import Model
 from bpns.symbolic import planners
 from bpns.symbolic.files import check_output
@@ -153,6 +152,8 @@ def _plan_task(asked: _Asked) -> None:
     if model.graph is not None:
         check_unused(PLANNING, f"{model.label} ({model.approach}) acts without a planner")
     if asked.show is not None:
+        from bpns.envs.animation import animation_format  # Pillow is slow to import
+
         animation_format(asked.show)
         check_output(asked.show, overwrite=True)
     seed, number = model.seed if asked.seed is None else asked.seed, asked.task or 0

@@ -1,11 +1,10 @@
 """Coffee: a gripper heats a pot on a plate and pours into cups. Source: spec, coffee.md."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL.Image import Image
 
-from bpns.envs.coffee.drawing import draw
 from bpns.envs.coffee.skills import ORACLE_SKILLS
 from bpns.envs.coffee.tasks import sample_task
 from bpns.envs.coffee.world import (
@@ -23,6 +22,9 @@ from bpns.envs.coffee.world import (
 from bpns.symbolic.skills.environment import Budget, Split
 from bpns.symbolic.state import Array, State, Task
 from bpns.symbolic.structs import GroundAtom
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +59,10 @@ class Coffee:
         """Draw a task: fill all cups. Source: spec, coffee.md section 6."""
         return sample_task(rng, self.train_cups if split == "train" else self.test_cups)
 
-    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> "Image":
         """Return a picture of a state; the goal is not marked."""
+        from bpns.envs.coffee.drawing import draw  # Pillow is slow to import
+
         return draw(state, caption)
 
 

@@ -1,11 +1,10 @@
 """Cover: a gripper over a line picks blocks and puts them on targets. Source: spec, cover.md."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL.Image import Image
 
-from bpns.envs.cover.drawing import draw
 from bpns.envs.cover.skills import ORACLE_SKILLS
 from bpns.envs.cover.tasks import sample_task
 from bpns.envs.cover.world import (
@@ -23,6 +22,9 @@ from bpns.envs.cover.world import (
 from bpns.symbolic.skills.environment import Budget, Split
 from bpns.symbolic.state import Array, State, Task
 from bpns.symbolic.structs import GroundAtom
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +56,10 @@ class Cover:
         irrelevant = self.train_irrelevant_blocks if split == "train" else self.test_irrelevant_blocks
         return sample_task(rng, index, irrelevant)
 
-    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> "Image":
         """Return a picture of a state; the goal is not marked."""
+        from bpns.envs.cover.drawing import draw  # Pillow is slow to import
+
         return draw(state, caption)
 
 

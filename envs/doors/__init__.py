@@ -4,11 +4,10 @@ Moving is given, by motion planning; opening doors is to be learned.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL.Image import Image
 
-from bpns.envs.doors.drawing import draw
 from bpns.envs.doors.skills import MOVE_THROUGH_DOOR, MOVE_TO_DOOR, ORACLE_SKILLS
 from bpns.envs.doors.tasks import sample_task
 from bpns.envs.doors.world import (
@@ -27,6 +26,9 @@ from bpns.symbolic.state import Array, State, Task
 from bpns.symbolic.structs import GroundAtom
 
 MOST_OBSTACLES = 4  # that surely fit around a room's center
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +71,10 @@ class Doors:
         """Draw a task; both splits are alike. Source: spec, doors.md section 6."""
         return sample_task(rng, self.rows, self.columns, self.room_share, self.obstacles)
 
-    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> "Image":
         """Return a picture of a state; rooms that the goal names have a color of their own."""
+        from bpns.envs.doors.drawing import draw  # Pillow is slow to import
+
         return draw(state, caption, goal)
 
 

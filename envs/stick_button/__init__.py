@@ -4,11 +4,10 @@ Source: spec, stick_button.md.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL.Image import Image
 
-from bpns.envs.stick_button.drawing import draw
 from bpns.envs.stick_button.skills import ORACLE_SKILLS
 from bpns.envs.stick_button.tasks import sample_task
 from bpns.envs.stick_button.world import (
@@ -24,6 +23,9 @@ from bpns.envs.stick_button.world import (
 from bpns.symbolic.skills.environment import Budget, Split
 from bpns.symbolic.state import Array, State, Task
 from bpns.symbolic.structs import GroundAtom
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +60,10 @@ class StickButton:
         """Draw a task: press all buttons. Source: spec, stick_button.md section 6."""
         return sample_task(rng, self.train_buttons if split == "train" else self.test_buttons)
 
-    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> Image:
+    def draw(self, state: State, caption: str = "", goal: frozenset[GroundAtom] = frozenset()) -> "Image":
         """Return a picture of a state; the goal is not marked."""
+        from bpns.envs.stick_button.drawing import draw  # Pillow is slow to import
+
         return draw(state, caption)
 
 
