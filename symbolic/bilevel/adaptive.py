@@ -6,96 +6,23 @@ more often than before: no plan is ever given up. What was reached is kept in a 
 alike share it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from bpns.symbolic.bilevel.candidates import Candidate, Outcomes, Reached
 from bpns.symbolic.bilevel.feedback import Feedback, Sharing
 from bpns.symbolic.bilevel.refinement import DeadEnd, RefinedStep, carry_out
 from bpns.symbolic.bilevel.strategy import Refined, TaskSearch
-from bpns.symbolic.operators import GroundOperator
 from bpns.symbolic.planners.costs import Costs, Prefix
 from bpns.symbolic.planners.protocol import AbstractPlan, CostPlanner
-from bpns.symbolic.skills.rollout import GroundSkill
-from bpns.symbolic.state import State
 
 # Proposals for each known one, and once more, that are all known: then a sampler is taken to have no others.
 # One of n that are alike is missed by so many with a chance of 1 in 20,000.
 PROPOSALS = 10
 MOST_IN_VAIN = 1000  # plans in a row of which nothing is left to sample, after which there is no hope
 FRESH_TURNS = 4  # first visits for each return, where the planner takes no costs
-# Which step is tried anew when one fails: relative weights. One whose effects the failed step needs is the
-# likeliest to blame; any other may be, so that none is left out for ever.
-PROVIDES, SHARES_OBJECTS, ITSELF, ANY = 4.0, 1.0, 1.0, 0.1
-
-
-@dataclass(slots=True, eq=False)
-class _Reached:
-    """A state to which the first steps of some plans led, and what came of the steps tried from it."""
-
-    state: State
-    actions: int  # taken before it
-    before: "_Reached | None"
-    step: RefinedStep | None  # that led here
-    failures: int = 0  # here and at the states reached from here
-    next: dict[GroundOperator, "_Outcomes"] = field(default_factory=dict)
-
-    def path(self) -> list["_Reached"]:
-        """Return the states on the way here, the first one first."""
-        found, now = [self], self.before
-        while now is not None:
-            found.append(now)
-            now = now.before
-        return found[::-1]
-
-
-@dataclass(slots=True, eq=False)
-class _Outcomes:
-    """What came of one ground operator from one state."""
-
-    reached: list[_Reached] = field(default_factory=list)
-    failures: int = 0
-    subgoals: set[bytes] = field(default_factory=set)
-    repeats: bool = False  # whether there is nothing new to propose, or no more may be
-
-
-@dataclass(slots=True, eq=False)
-class _Candidate:
-    """An abstract plan and how often it was tried."""
-
-    plan: AbstractPlan
-    number: int  # from 1, in the order in which plans came
-    skills: Sequence[GroundSkill]
-    visits: int = 0
-    spent: bool = False  # whether nothing is left to sample
-
-    def sampled(self, step: int) -> bool:
-        """Say whether another try of a step can end otherwise."""
-        return self.skills[step].skill.sampler.dimension > 0
-
-    def few_tries(self, state: _Reached, step: int, tries: int) -> bool:
-        """Say whether a step was tried less often than that from a state, and never with success."""
-        outcomes = state.next.get(self.plan.steps[step])
-        if outcomes is None:
-            return True
-        return not outcomes.reached and outcomes.failures < (tries if self.sampled(step) else 1)
-
-    def can_try(self, state: _Reached, step: int) -> bool:
-        """Say whether one more try of a step from a state may tell something new."""
-        outcomes = state.next.get(self.plan.steps[step])
-        return outcomes is None or (self.sampled(step) and not outcomes.repeats)
-
-    def weight(self, earlier: int, step: int) -> float:
-        """Say how likely a step fails because of how an earlier one, or itself, was done."""
-        if earlier == step:
-            return ITSELF
-        operator, before = self.plan.steps[step], self.plan.steps[earlier]
-        later = self.plan.steps[earlier + 1 : step]
-        rests = operator.preconditions & before.add_effects
-        if any(all(atom not in one.add_effects for one in later) for atom in rests):
-            return PROVIDES
-        return SHARES_OBJECTS if set(before.objects) & set(operator.objects) else ANY
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,13 +59,13 @@ class _Visits:
         self.feedback = Feedback(search.problem.operators, self.costs, settings.sharing)
         self.by_cost = isinstance(search.planner, CostPlanner)
         self.returned = 0  # visits of plans that had come back
-        self.root = _Reached(search.task.init, 0, None, None)
+        self.root = Reached(search.task.init, 0, None, None)
 
     def run(self) -> Refined | None:
         """Visit candidates until one is refined or nothing is left."""
         search = self.search
         stream = self._stream()
-        waiting: list[_Candidate] = []
+        waiting: list[Candidate] = []
         fresh: AbstractPlan | None = None
         in_vain = 0
         while not search.over and in_vain < MOST_IN_VAIN:
@@ -151,7 +78,7 @@ class _Visits:
             candidate = min(waiting, key=self._cost, default=None)
             if fresh is not None and (candidate is None or self._fresh_first(fresh, candidate)):
                 search.tried += 1
-                candidate = _Candidate(fresh, search.tried, search.ground_skills(fresh))
+                candidate = Candidate(fresh, search.tried, search.ground_skills(fresh))
                 waiting.append(candidate)
                 fresh = None
             elif candidate is not None:
@@ -173,7 +100,7 @@ class _Visits:
         """Whether it is a fresh plan's turn: always, where the planner takes costs and gives the cheapest."""
         return self.by_cost or self.search.tried <= FRESH_TURNS * self.returned
 
-    def _fresh_first(self, fresh: AbstractPlan, candidate: _Candidate) -> bool:
+    def _fresh_first(self, fresh: AbstractPlan, candidate: Candidate) -> bool:
         """Say whether a fresh plan comes before one that waits: the cheaper one, where plans come by cost."""
         return not self.by_cost or self.costs.of_plan(fresh.steps) <= self._cost(candidate)
 
@@ -184,11 +111,11 @@ class _Visits:
             return search.planner.plans_at(search.problem, rng, search.limit, search.record, self.costs)
         return search.planner.plans(search.problem, rng, search.limit, search.record)
 
-    def _cost(self, candidate: _Candidate) -> float:
+    def _cost(self, candidate: Candidate) -> float:
         """Return what a candidate costs now, a little more after each visit."""
         return self.costs.of_plan(candidate.plan.steps) + self.settings.return_cost * candidate.visits
 
-    def _visit(self, candidate: _Candidate) -> tuple[RefinedStep, ...] | None:
+    def _visit(self, candidate: Candidate) -> tuple[RefinedStep, ...] | None:
         """Try a candidate until it is refined or failed too often for this visit."""
         candidate.visits += 1
         allowed = self.settings.failures * candidate.visits
@@ -222,7 +149,7 @@ class _Visits:
         self.feedback.update(tried)
         return None
 
-    def _start(self, candidate: _Candidate) -> tuple[_Reached, int]:
+    def _start(self, candidate: Candidate) -> tuple[Reached, int]:
         """Return the deepest state at which the next step was not tried enough, or else the deepest."""
         level, step = [self.root], 0
         deepest, fresh = (self.root, 0), (self.root, 0)
@@ -240,7 +167,7 @@ class _Visits:
             step += 1
         return fresh if candidate.few_tries(*fresh, self.settings.tries) else deepest
 
-    def _back(self, candidate: _Candidate, now: _Reached, step: int) -> tuple[_Reached, int] | None:
+    def _back(self, candidate: Candidate, now: Reached, step: int) -> tuple[Reached, int] | None:
         """Choose a step to be tried anew, likely one on which this one rests; None where none can be.
 
         Where all on the way here are used up, any other state will do that the plan's steps ever reached.
@@ -255,14 +182,14 @@ class _Visits:
         earlier = int(self.rng.choice(step + 1, p=weights / weights.sum()))
         return path[earlier], earlier
 
-    def _left(self, candidate: _Candidate) -> Iterator[tuple[_Reached, int]]:
+    def _left(self, candidate: Candidate) -> Iterator[tuple[Reached, int]]:
         """Yield the states that a candidate's steps reached from which one more try may tell something."""
         level = [self.root]
         for step, operator in enumerate(candidate.plan.steps):
             yield from ((one, step) for one in level if candidate.can_try(one, step))
             level = [r for one in level if operator in one.next for r in one.next[operator].reached]
 
-    def _close(self, candidate: _Candidate) -> None:
+    def _close(self, candidate: Candidate) -> None:
         """Let no plan begin like a candidate up to where nothing can lead on, whatever is tried."""
         level = [self.root]
         for step, operator in enumerate(candidate.plan.steps):
@@ -273,10 +200,10 @@ class _Visits:
                 self.costs.close(candidate.plan.steps[: step + 1])
                 return
 
-    def _attempt(self, candidate: _Candidate, now: _Reached, step: int) -> _Reached | None:
+    def _attempt(self, candidate: Candidate, now: Reached, step: int) -> Reached | None:
         """Sample a subgoal and pursue it; return what it reached, None where it is a dead end."""
         skill, refining = candidate.skills[step], self.search.refining
-        outcomes = now.next.setdefault(skill.operator, _Outcomes())
+        outcomes = now.next.setdefault(skill.operator, Outcomes())
         for _ in range(PROPOSALS * (1 + len(outcomes.subgoals))):
             subgoal = skill.skill.sampler.sample(now.state, skill.operator.objects, self.rng)
             numbers = np.asarray(subgoal).tobytes()
@@ -293,7 +220,7 @@ class _Visits:
         self.feedback.count(candidate.plan.steps[: step + 1], success=isinstance(found, RefinedStep))
         if isinstance(found, RefinedStep):
             used = now.actions + len(found.trajectory.actions)
-            reached = _Reached(found.trajectory.states[-1], used, now, found)
+            reached = Reached(found.trajectory.states[-1], used, now, found)
             outcomes.reached.append(reached)
             return reached
         outcomes.failures += 1
@@ -303,5 +230,5 @@ class _Visits:
         return None
 
 
-def _failures(reached: _Reached) -> int:
+def _failures(reached: Reached) -> int:
     return reached.failures
