@@ -54,8 +54,9 @@ class GroundSkill:
         """Say whether the skill is over in this state."""
         if self.skill.terminal is not None:
             return self.skill.terminal(state, self.operator.objects)
-        return all(holds(environment, a, state) for a in self.operator.add_effects) and not any(
-            holds(environment, a, state) for a in self.operator.delete_effects
+        adds = self.operator.add_effects  # what is deleted and added, as of one object in two places, holds
+        return all(holds(environment, a, state) for a in adds) and not any(
+            holds(environment, a, state) for a in self.operator.delete_effects if a not in adds
         )
 
     def begin(self, state: State, subgoal: Array) -> Controller:
