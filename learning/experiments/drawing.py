@@ -40,12 +40,14 @@ DPI = 150
 def draw_results(path: Path, found: Mapping[str, Sequence[Row]]) -> None:
     """Draw one panel an environment as .png, .svg or .pdf; the same bytes each time.
 
-    Error bars are population standard deviations over runs. What was learned from no demonstrations solves
-    nothing: each line begins there. Raises InputError where nothing was learned at all.
+    Only what was measured is drawn; error bars are population standard deviations over runs. What was not
+    learned, such as an oracle, has no number of demonstrations and is a level line. Raises InputError where
+    nothing was learned at all.
     """
     suffix = picture_format(path)
+    learned = any(row.run.origin.demonstrations is not None for rows in found.values() for row in rows)
     panels = {name: lines for name, rows in found.items() if (lines := _lines(rows))}
-    if not panels:
+    if not learned:
         raise InputError("nothing to draw: no results of models whose number of demonstrations is known")
     with matplotlib.rc_context():
         matplotlib.rcdefaults()  # whatever the user's own settings are
@@ -59,9 +61,9 @@ def _lines(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Return the rows of each line by its label, from few demonstrations to many."""
     lines: dict[str, list[Row]] = {}
     for row in rows:
-        if row.run.origin.demonstrations is not None:
-            lines.setdefault(row.label, []).append(row)
-    return lines
+        lines.setdefault(row.label, []).append(row)
+    known = {label: [r for r in of if r.run.origin.demonstrations is not None] for label, of in lines.items()}
+    return {label: known[label] or of for label, of in lines.items()}
 
 
 def _figure(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Figure:
@@ -78,6 +80,7 @@ def _figure(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Figure:
         axes.set_title(environment)
         axes.set_xlabel("Number of Demonstrations")
         axes.set_ylim(-5, 110)
+        axes.set_xlim(left=0)
     grid[0].set_ylabel("% Evaluation Tasks Solved")
     columns = max(1, min(len(drawn), int(width / COLUMN)))
     figure.legend(drawn.values(), drawn.keys(), loc="outside lower center", ncols=columns)
@@ -100,11 +103,18 @@ def _styles(panels: Mapping[str, Mapping[str, Sequence[Row]]]) -> Iterator[tuple
 
 
 def _draw_line(axes: Axes, rows: Sequence[Row], style: Mapping[str, Any]) -> Artist:
-    counts = [0, *(row.run.origin.demonstrations or 0 for row in rows)]
-    means = [0.0, *(row.summary.solved[0] for row in rows)]
-    deviations = [0.0, *(row.summary.solved[1] for row in rows)]
+    counts = [count for row in rows if (count := row.run.origin.demonstrations) is not None]
+    if not counts:
+        return axes.axhline(rows[0].summary.solved[0], **style)
     drawn = axes.errorbar(
-        counts, means, deviations, elinewidth=1, marker="o", markersize=3, capsize=3, **style
+        counts,
+        [row.summary.solved[0] for row in rows],
+        [row.summary.solved[1] for row in rows],
+        elinewidth=1,
+        marker="o",
+        markersize=4,
+        capsize=3,
+        **style,
     )
     line: Artist = drawn.lines[0]
     return line

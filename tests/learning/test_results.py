@@ -6,6 +6,7 @@ from dataclasses import replace
 from math import isnan
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bpns import envs
@@ -247,3 +248,15 @@ def test_a_file_of_another_kind_stays_as_it_is(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no results .*: make them with"), open_results(tmp_path / "none"):
         pass
     assert not (tmp_path / "none").exists()
+
+
+def test_only_what_was_measured_is_drawn() -> None:
+    """A single measurement was drawn as a line from an invented (0, 0), and an oracle not at all."""
+    from bpns.learning.experiments.drawing import _figure, _lines
+
+    found = tables({RUN: [solved(0, 0)], LEARNED: [solved(0, 0)]})
+    (axes,) = _figure({name: _lines(rows) for name, rows in found.items()}).axes
+    drawn = {tuple(map(tuple, np.asarray(line.get_xydata()).tolist())) for line in axes.get_lines()}
+    assert ((1000.0, 100.0),) in drawn
+    assert ((0.0, 100.0), (1.0, 100.0)) in drawn  # a level line, in shares of the width
+    assert not any((0.0, 0.0) in points for points in drawn)
