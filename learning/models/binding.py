@@ -59,7 +59,8 @@ def in_order(operator: Operator, parameters: Sequence[tuple[str, str]], path: Pa
     """Return an operator with its parameters in the order in which its weights know them, as (name, type).
 
     A parameter is known by its name, wherever it stands. One that was renamed is known by its type, where
-    that leaves no choice. Raises InputError where it does, or where the types are others.
+    that leaves no choice, or else by its place. Raises InputError where another type stands there, or where
+    the types are others.
     """
     wanted, found = [kind for _, kind in parameters], [v.type.name for v in operator.parameters]
     if sorted(wanted) != sorted(found):
@@ -68,16 +69,19 @@ def in_order(operator: Operator, parameters: Sequence[tuple[str, str]], path: Pa
             f"but its weights need ({', '.join(wanted)}): restore them, or learn again"
         )
     by_name = {(v.name.lower(), v.type.name): v for v in operator.parameters}
-    known = {(name, kind): by_name.get((name.lower(), kind)) for name, kind in parameters}
-    left = [v for v in operator.parameters if v not in known.values()]
-    for (name, kind), variable in known.items():
+    known = [by_name.get((name.lower(), kind)) for name, kind in parameters]
+    left = [v for v in operator.parameters if v not in known]
+    order = []
+    for (name, kind), variable, there in zip(parameters, known, operator.parameters, strict=True):
         if variable is None:
             fit = [v for v in left if v.type.name == kind]
-            if len(fit) > 1:
+            if len(fit) > 1 and there not in fit:
                 raise InputError(
-                    f"{path}: {operator.name}: which of {', '.join(v.name for v in fit)} was {name}? They "
-                    f"are of one type, and weights know them by name: rename {name} in skills.json too"
+                    f"{path}: {operator.name}: which of {', '.join(v.name for v in fit)} was {name}? Put it "
+                    f"in its old place, or rename {name} in skills.json too: weights know parameters by name"
                 )
-            known[name, kind] = fit[0]
-    order = tuple(v for v in known.values() if v is not None)
-    return operator if order == operator.parameters else replace(operator, parameters=order)
+            variable = fit[0] if len(fit) == 1 else there
+        order.append(variable)
+    if len(set(order)) < len(order):
+        raise InputError(f"{path}: {operator.name}: put renamed parameters in their old places")
+    return operator if tuple(order) == operator.parameters else replace(operator, parameters=tuple(order))

@@ -198,7 +198,14 @@ def test_parameters_are_known_by_name(tmp_path: Path) -> None:
     plans = [one.plan(task, seed=1).plan for one in (model, again)]
     assert all(plans)
     assert [str(step) for step in plans[0].steps] == [str(step) for step in plans[1].steps]  # type: ignore[union-attr]
-    path.write_text(text[:start] + text[start:].replace(first, "?one").replace(second, "?two"))
+    renamed = text[:start] + text[start:].replace(first, "?one").replace(second, "?two")
+    path.write_text(renamed)  # in their old places
+    assert str(bpns.load_model(tmp_path / "model").plan(task, seed=1).plan) == str(plans[0])
+    (others,) = (v for v in operator.parameters[:1] if v.name not in (first, second))
+    entry = f"{others.name} - {others.type.name}"
+    line = renamed[renamed.index(":parameters", start) :].partition("\n")[0]
+    moved = line.replace(f"{entry} ", "").replace(")", f" {entry})")
+    path.write_text(renamed.replace(line, moved))
     with pytest.raises(bpns.InputError, match=r"which of \?one, \?two was"):
         bpns.load_model(tmp_path / "model")
 
